@@ -152,13 +152,13 @@ class Family(Generic[Member]):
             InputError: Its class is not complete.
         """
         # Messages have the line of a class, and Python remembers the lines of a file that it saw first.
-        own = file.with_stem(f"{file.stem}_{sha256(text).hexdigest()[:8]}")
-        module = self._executed(own, text)
+        renamed = file.with_stem(f"{file.stem}_{sha256(text).hexdigest()[:8]}")
+        module = self._executed(renamed, text)
         try:
             return self._only_member(module, place_of)
         finally:
             del sys.modules[module.__name__]
-            linecache.cache.pop(str(own), None)
+            linecache.cache.pop(str(renamed), None)
 
     @contextmanager
     def holding(self, member: type[Member], file: Path, text: bytes) -> Iterator[None]:

@@ -274,8 +274,8 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         for name, error in diagnosis.random_drift.std.items():
             text = f"named by the diagnosis; standard error {error:.2g}"
             comments["effects", diagnosis.random_drift.effect.name, name] = text
-    own = "an effect of your own; a copy of the file that was loaded"
-    comments["effect_files",] = "the law, and effects of your own if there are any" if diagnosis.law else own
+    user_effects = "an effect of your own; a copy of the file that was loaded"
+    comments["effect_files",] = "the law, and effects of your own if there are any" if diagnosis.law else user_effects
     if all(getattr(bare.tof, name) == value for name, value in PLAIN_RANGE.items()):
         # Without this, a simulation with the file would silently have a better sensor than the shipped robot.
         comments |= {("tof", name): ONE_RAY for name in PLAIN_RANGE}

@@ -53,13 +53,13 @@ class Bumper(Sensor):
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         super().__init__(settings, arena, physics_hz, rng)
-        own = self.settings
-        per_zone = max(2, round(own.width_m / own.zones / SPACING_M) + 1)
-        edges = np.linspace(-0.5 * own.width_m, 0.5 * own.width_m, own.zones + 1)
+        config = self.settings
+        per_zone = max(2, round(config.width_m / config.zones / SPACING_M) + 1)
+        edges = np.linspace(-0.5 * config.width_m, 0.5 * config.width_m, config.zones + 1)
         across = np.concatenate([np.linspace(low, high, per_zone) for low, high in pairwise(edges)])
         starts = np.stack([np.zeros_like(across), across, np.zeros_like(across)], axis=1)
-        X_RS = own.X_RS()
-        ends = starts + np.array([own.reach_m - own.travel_m, 0.0, 0.0])
+        X_RS = config.X_RS()
+        ends = starts + np.array([config.reach_m - config.travel_m, 0.0, 0.0])
         points_S = np.concatenate([starts - np.array([INTO_BODY_M, 0.0, 0.0]), ends])
         self._points_R = points_S @ X_RS[:3, :3].T + X_RS[:3, 3]
 

@@ -149,8 +149,8 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     usual_wheels = {"wheel_diameter_m": USUAL_DIAMETER_M, "track_m": USUAL_TRACK_M}
     if not has_ticks:
         known = {"ticks_per_turn": 1000.0, **usual_wheels} | known
-    given = set(known)
-    if not given & {"ticks_per_turn", "wheel_diameter_m"}:
+    stated = set(known)
+    if not stated & {"ticks_per_turn", "wheel_diameter_m"}:
         known["wheel_diameter_m"] = USUAL_DIAMETER_M
     moved = pose_by_ticks(measurement)
     estimated = wheels_of(moved, known)
@@ -163,7 +163,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
         )
     known = usual_wheels | known
     if has_ticks and measurement.has("u_left_V", "u_right_V"):
-        motor = {key: value for key, value in known.items() if key in {*given, "ticks_per_turn"}}
+        motor = {key: value for key, value in known.items() if key in {*stated, "ticks_per_turn"}}
         yield from _motor(measurement, motor, list(USUAL_MOTOR), gear=False)
     yield "robot:"
     for key, name, scale, share in (
@@ -171,11 +171,11 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
         ("track_m", "wheel_separation_m", 1.0, TRACK_SHARE),
     ):
         value = scale * known[key]
-        is_given = key in given and (key != "wheel_diameter_m" or "ticks_per_turn" in given)
-        comment = "given; usual tolerance" if is_given else _origin(key, given, estimated, has_ticks=has_ticks)
+        is_given = key in stated and (key != "wheel_diameter_m" or "ticks_per_turn" in stated)
+        comment = "given; usual tolerance" if is_given else _origin(key, stated, estimated, has_ticks=has_ticks)
         yield _Value(value, (share if is_given else UNKNOWN_WHEELS) * value, comment).line(name)
     key = "ticks_per_turn"
-    comment = "given" if key in given else _origin(key, given, estimated, has_ticks=has_ticks)
+    comment = "given" if key in stated else _origin(key, stated, estimated, has_ticks=has_ticks)
     yield f"  encoder_ticks_per_revolution: {known['ticks_per_turn']:g}  # {comment}"
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"

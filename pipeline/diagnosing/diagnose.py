@@ -133,13 +133,13 @@ def diagnose_cases(
     ]
     # How many hypotheses are fitted depends on what the fits show, so the share of a case says little about its rest.
     with report.stage("diagnose", len(units), "cases", is_even=False) as stage:
-        said = _SaidPhases(stage)
+        phase_lines = _PhaseLines(stage)
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Progress):
                 stage.update(unit.name, event.share)
                 if alone:
-                    said.say(event)
+                    phase_lines.print(event)
             if isinstance(event, Finished | Failed):
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:
@@ -152,24 +152,24 @@ def diagnose_cases(
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
 
 
-class _SaidPhases:
+class _PhaseLines:
     """Prints each phase of the only case when it begins, and now and then what is fitted in it."""
 
     def __init__(self, stage: StageReport) -> None:
         self._stage = stage
         self._begun: set[Phase] = set()
-        self._said_s = time.monotonic()
+        self._printed_s = time.monotonic()
 
-    def say(self, event: Progress) -> None:
+    def print(self, event: Progress) -> None:
         phase, now_s = Phase.at(event.share), time.monotonic()
         if phase not in self._begun:
             self._begun.add(phase)
             self._stage.say(phase.title)
-        elif event.text and now_s - self._said_s >= SECONDS_BETWEEN_LINES:
+        elif event.text and now_s - self._printed_s >= SECONDS_BETWEEN_LINES:
             self._stage.say(f"{phase.title}: {event.text}")
         else:
             return
-        self._said_s = now_s
+        self._printed_s = now_s
 
 
 def diagnosed_again(measurement: Measurement, settings: DiagnosisSettings, report: Report) -> "Diagnosis":

@@ -207,9 +207,9 @@ def _taken(
     """Return a run from its folder, with the tables that do not follow from its specification."""
     known = side_tables(RunDocument.model_validate(spec))
     tables = (*known, *(sensor.table for sensor in sensors))
-    kept = [table for table in tables if table is not CAMERA and table.name != "obstacles"]
+    copied = [table for table in tables if table is not CAMERA and table.name != "obstacles"]
     rows = read_rows(folder / DATA)
-    side = {f"{SIDE}/{table.file}": _checked_side(folder / SIDE / table.file, table, rows) for table in kept}
+    side = {f"{SIDE}/{table.file}": _checked_side(folder / SIDE / table.file, table, rows) for table in copied}
     return ExternalRun(_with_origin(spec, digest), rows, side, outcome)
 
 

@@ -72,12 +72,12 @@ def losses_of(workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneS
     metadata = read_metadata(out) or read_metadata(out / STAGES / "assemble")
     released = released_runs(workspace)
     is_same = metadata is not None and metadata.name == new_name
-    kept = {spec.key: spec for spec in specs if spec.key in released} if is_same else {}
+    unchanged = {spec.key: spec for spec in specs if spec.key in released} if is_same else {}
     for record in metadata.runs if metadata else ():
-        if record.run in kept and _is_measured_again(workspace, record, kept[record.run]):
-            del kept[record.run]
-    runs = released - kept.keys()
-    images, annotations = _images_and_annotations(metadata, runs, kept)
+        if record.run in unchanged and _is_measured_again(workspace, record, unchanged[record.run]):
+            del unchanged[record.run]
+    runs = released - unchanged.keys()
+    images, annotations = _images_and_annotations(metadata, runs, unchanged)
     is_signed = any((out / name).exists() for name in SEALS)
     return Losses(
         metadata.name if metadata else "",
@@ -182,15 +182,15 @@ def _is_measured_again(workspace: Workspace, record: RunRecord, spec: SceneSpec)
 
 
 def _images_and_annotations(
-    metadata: Metadata | None, removed: Iterable[str], kept: Mapping[str, SceneSpec]
+    metadata: Metadata | None, removed: Iterable[str], unchanged: Mapping[str, SceneSpec]
 ) -> tuple[int, tuple[str, ...]]:
     """Return the number of images that are lost, and the annotations that other images no longer have."""
     images, annotations = 0, set[str]()
     for record in metadata.runs if metadata else ():
-        if record.run not in removed and record.run not in kept:
+        if record.run not in removed and record.run not in unchanged:
             continue  # its folder is gone
         cameras: dict[str, RunRecord | CameraRecord] = {"": record, **record.cameras}
-        there = _annotations_by_camera(kept[record.run]) if record.run in kept else {}
+        there = _annotations_by_camera(unchanged[record.run]) if record.run in unchanged else {}
         for name, camera in cameras.items():
             if name in there:
                 annotations |= {*camera.annotations} - {*there[name]}

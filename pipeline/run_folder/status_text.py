@@ -36,10 +36,10 @@ def next_release(runs: Sequence[RunStatus], losses: Losses | None) -> Iterator[s
 def dry_run(runs: Sequence[RunStatus], losses: Losses) -> Iterator[str]:
     """Yield lines with what a release would take away, do, keep and fail to do; `runs` are those of its scenario."""
     yield from next_release(runs, losses)
-    kept = [run.run for run in runs if run.done]
+    finished = [run.run for run in runs if run.done]
     failed = [run.run for run in runs if any(stage.has_failed for stage in run.stages)]
-    if kept:
-        yield f"would be kept, as far as their settings show, {named_runs(kept)}"
+    if finished:
+        yield f"would be kept, as far as their settings show, {named_runs(finished)}"
     if failed:
         yield f"would fail again, {named_runs(failed)}"
 

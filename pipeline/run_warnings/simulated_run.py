@@ -114,17 +114,17 @@ def _too_slow(robot: RobotConfig) -> Iterator[_Suspicion]:
     voltage_V = voltage_limit_V(robot.power)
     reached_m_s = 0.5 * robot.drive.wheel_diameter_m * motor.steady_state(voltage_V)[1]
     laws = {"line": robot.controller.line, "wall.gains": robot.controller.wall.gains}
-    asked = [
+    commanded = [
         (float(np.dot(follow(error, law), (1.0, half_track_m))), error, place)
         for place, law in laws.items()
         for error in (0.0, MAX_ERROR)
     ]
-    asked_m_s, error, place = max(asked)
-    if asked_m_s > reached_m_s:
+    commanded_m_s, error, place = max(commanded)
+    if commanded_m_s > reached_m_s:
         text = (
-            f"robot.controller.{place} asks a wheel for {asked_m_s:.2g} m/s at an error of {error:g}, and the motors"
-            f" reach {reached_m_s:.2g} m/s at {voltage_V:g} V without load: the robot is slower than that, and may cut"
-            " bends"
+            f"robot.controller.{place} asks a wheel for {commanded_m_s:.2g} m/s at an error of {error:g}, and the"
+            f" motors reach {reached_m_s:.2g} m/s at {voltage_V:g} V without load: the robot is slower than that, and"
+            " may cut bends"
         )
         yield _Suspicion("speed beyond the motors", text)
 

@@ -84,11 +84,11 @@ class LineArray(Sensor):
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         super().__init__(settings, arena, physics_hz, rng)
-        own = self.settings
-        places_R = own.places_R()
-        growth_m = own.spot_growth * own.z_m
-        optics = LineOptics.at_places(places_R[:, 1], own.spot_diameter_at_floor_m, growth_m, own.effects)
-        self._channels = ReflectanceChannels(places_R, optics, own, arena, rng, own.effects)
+        config = self.settings
+        places_R = config.places_R()
+        growth_m = config.spot_growth * config.z_m
+        optics = LineOptics.at_places(places_R[:, 1], config.spot_diameter_at_floor_m, growth_m, config.effects)
+        self._channels = ReflectanceChannels(places_R, optics, config, arena, rng, config.effects)
 
     @classmethod
     def columns_of(cls, settings: SensorSettings) -> tuple[Column, ...]:

@@ -83,21 +83,21 @@ class Lidar(Sensor):
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         super().__init__(settings, arena, physics_hz, rng)
-        own, count = self.settings, self.settings.rays
-        X_RS = own.X_RS()
-        angles = np.radians(own.first_ray_deg + own.ray_step_deg * np.arange(count))
+        config, count = self.settings, self.settings.rays
+        X_RS = config.X_RS()
+        angles = np.radians(config.first_ray_deg + config.ray_step_deg * np.arange(count))
         rays_S = np.stack([np.cos(angles), np.sin(angles), np.zeros(count)], axis=1)
         self._origin_R, self._rays_R = X_RS[:3, 3], rays_S @ X_RS[:3, :3].T
-        self._late_s = own.sweep_s * (np.arange(count) - count + 1) / count
+        self._late_s = config.sweep_s * (np.arange(count) - count + 1) / count
         """(rays,), time of each ray after the last one, so that it is never above 0."""
-        subsamples = ceil(own.sweep_s / SUBSAMPLE_S)
-        before = {round(own.sweep_s * physics_hz * k / subsamples) for k in range(1, subsamples + 1)}
+        subsamples = ceil(config.sweep_s / SUBSAMPLE_S)
+        before = {round(config.sweep_s * physics_hz * k / subsamples) for k in range(1, subsamples + 1)}
         self.sampling = replace(self.sampling, subsamples_before=tuple(sorted(before - {0}, reverse=True)))
         self._poses: list[tuple[float, float, float, float]] = []
         """Time, x, y and yaw at the subsamples since the last scan."""
         surfaces = [SURFACES[box.surface].reflectance for box in arena.boxes]
         self._reflectance = np.array([arena.floor_reflectance, *surfaces])
-        self._offset_m = own.offset_sd_m * float(rng.standard_normal())
+        self._offset_m = config.offset_sd_m * float(rng.standard_normal())
         self._moves = bool(arena.moving)
 
     @classmethod
@@ -113,16 +113,16 @@ class Lidar(Sensor):
 
     def sample(self, world: World) -> Reading:
         """Return the ranges [m] and then the intensities of the rays, (2 rays,)."""
-        own = self.settings
+        config = self.settings
         self.subsample(world)
         range_m, returned = self._true(world)
-        normal = self.rng.standard_normal((2, own.rays))
-        sd_m = np.hypot(own.noise_m, own.noise_share * range_m)
-        reading_m = quantise(range_m + self._offset_m + sd_m * normal[0], own.quantisation_m)
-        valid = (returned > 0.0) & (returned * own.max_range_m**2 >= own.detection_reflectance * range_m**2)
-        valid &= (reading_m >= own.min_range_m) & (reading_m <= own.max_range_m)
-        valid &= self.rng.random(own.rays) >= own.dropout_probability
-        intensity = np.clip(returned + own.intensity_noise * normal[1], 0.0, 1.0)
+        normal = self.rng.standard_normal((2, config.rays))
+        sd_m = np.hypot(config.noise_m, config.noise_share * range_m)
+        reading_m = quantise(range_m + self._offset_m + sd_m * normal[0], config.quantisation_m)
+        valid = (returned > 0.0) & (returned * config.max_range_m**2 >= config.detection_reflectance * range_m**2)
+        valid &= (reading_m >= config.min_range_m) & (reading_m <= config.max_range_m)
+        valid &= self.rng.random(config.rays) >= config.dropout_probability
+        intensity = np.clip(returned + config.intensity_noise * normal[1], 0.0, 1.0)
         return np.concatenate([np.where(valid, reading_m, 0.0), np.where(valid, intensity, 0.0)])
 
     def _true(self, world: World) -> tuple[Array, Array]:

@@ -62,36 +62,36 @@ class Ultrasonic(Sensor):
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         super().__init__(settings, arena, physics_hz, rng)
-        own = self.settings
-        angle, roll = ray_pattern(own.rays, np.radians(own.field_of_view_deg))
-        X_RS = own.X_RS()
+        config = self.settings
+        angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
+        X_RS = config.X_RS()
         across = np.sin(angle)
         rays_S = np.stack([np.cos(angle), across * np.cos(roll), across * np.sin(roll)], axis=1)
         self._origin_R, self._rays_R = X_RS[:3, 3], rays_S @ X_RS[:3, :3].T
-        self._profile = np.exp(-0.5 * (angle / np.radians(own.beam_sigma_deg)) ** 2)
+        self._profile = np.exp(-0.5 * (angle / np.radians(config.beam_sigma_deg)) ** 2)
         self._head_on = float(np.sum(self._profile * self._returned(np.cos(angle))))
         # The robot multiplies the time by the speed of sound that it assumes (Laplace: proportional to sqrt(T)).
-        self._stretch = sqrt((273.15 + own.assumed_temperature_C) / (273.15 + own.air_temperature_C))
+        self._stretch = sqrt((273.15 + config.assumed_temperature_C) / (273.15 + config.air_temperature_C))
 
     def sample(self, world: World) -> Reading:
         """Return the range [m], (1,)."""
-        own = self.settings
+        config = self.settings
         range_m = self._first_echo(world)
         reading_m = float(
-            quantise(range_m * self._stretch + own.noise_m * self.rng.standard_normal(1), own.quantisation_m)[0]
+            quantise(range_m * self._stretch + config.noise_m * self.rng.standard_normal(1), config.quantisation_m)[0]
         )
-        missed = self.rng.random() < own.dropout_probability
-        heard = range_m > 0.0 and own.min_range_m <= reading_m <= own.max_range_m and not missed
+        missed = self.rng.random() < config.dropout_probability
+        heard = range_m > 0.0 and config.min_range_m <= reading_m <= config.max_range_m and not missed
         return np.array([reading_m if heard else 0.0])
 
     def _first_echo(self, world: World) -> float:
         """Return the distance [m] at which the echoes within a pulse first add up to the threshold; 0 for none."""
-        own = self.settings
+        config = self.settings
         x, y, yaw = world.pose()
         c, s = np.cos(yaw), np.sin(yaw)
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         origin, directions = self._origin_R @ turn + (x, y, 0.0), self._rays_R @ turn
-        reach_m = own.max_range_m + own.pulse_m
+        reach_m = config.max_range_m + config.pulse_m
         origins = np.broadcast_to(origin, directions.shape)
         hits = world.cast(origins, origins + reach_m * directions)
         cosine = np.abs(np.einsum("ij,ij->i", directions, hits.normal))
@@ -99,8 +99,8 @@ class Ultrasonic(Sensor):
         order = np.argsort(hits.fraction, kind="stable")
         distance_m, total = hits.fraction[order] * reach_m, np.cumsum(echo[order])
         # Sound from the beginning of the pulse is heard together with what returns half a pulse farther away.
-        first = np.searchsorted(distance_m, distance_m - 0.5 * own.pulse_m)
-        loud = total - np.where(first > 0, total[first - 1], 0.0) >= own.echo_threshold * self._head_on
+        first = np.searchsorted(distance_m, distance_m - 0.5 * config.pulse_m)
+        loud = total - np.where(first > 0, total[first - 1], 0.0) >= config.echo_threshold * self._head_on
         heard = np.flatnonzero(loud & (echo[order] > 0.0) & (hits.surface[order] >= 0))
         return float(distance_m[heard[0]]) if len(heard) else 0.0
 

@@ -162,20 +162,20 @@ class Vl53l0x(Sensor):
 
     def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         super().__init__(settings, arena, physics_hz, rng)
-        own = self.settings
+        config = self.settings
         (unit_rng,) = rng.spawn(1)
-        tilt_m_rad = own.tilt_sd_m_rad * float(unit_rng.standard_normal())
+        tilt_m_rad = config.tilt_sd_m_rad * float(unit_rng.standard_normal())
         physics = (
-            RangeSignalWeighting(exponent=own.signal_exponent),
-            RangeGatheringTime(duration_s=MODES[own.mode].budget_s),
+            RangeSignalWeighting(exponent=config.signal_exponent),
+            RangeGatheringTime(duration_s=MODES[config.mode].budget_s),
             TiltAsymmetry(axis="forward", coefficient_m_per_rad=tilt_m_rad),
-            NearFieldError(amplitude_m=own.near_error_m, decay_length_m=0.02),
-            RangeWander(sd_m=own.wander_sd_m, time_constant_s=own.wander_s),
+            NearFieldError(amplitude_m=config.near_error_m, decay_length_m=0.02),
+            RangeWander(sd_m=config.wander_sd_m, time_constant_s=config.wander_s),
         )
         # An effect that the user names replaces the one of its class.
-        named = {effect.name for effect in own.effects}
-        effects = RobotEffects((*own.effects, *(effect for effect in physics if effect.name not in named)))
-        self._device = _Device(own, arena, physics_hz, rng, effects)
+        named = {effect.name for effect in config.effects}
+        effects = RobotEffects((*config.effects, *(effect for effect in physics if effect.name not in named)))
+        self._device = _Device(config, arena, physics_hz, rng, effects)
         self.sampling = self._device.sampling
 
     def subsample(self, world: World) -> None:

@@ -44,14 +44,14 @@ class WheelEncoder(Sensor):
 
     def sample(self, world: World) -> Reading:
         """Return the counts, (1,)."""
-        own = self.settings
+        config = self.settings
         right_rad, left_rad = world.wheel_angles()
-        edges = self._edges(right_rad if own.wheel == "right" else left_rad)
+        edges = self._edges(right_rad if config.wheel == "right" else left_rad)
         moved = edges - self._before
         self._before = edges
-        self._counts += abs(moved) if own.principle == "single" else moved
-        if self.rng.random() >= own.dropout_probability:
-            self._last = edges % own.counts_per_revolution if own.principle == "absolute" else self._counts
+        self._counts += abs(moved) if config.principle == "single" else moved
+        if self.rng.random() >= config.dropout_probability:
+            self._last = edges % config.counts_per_revolution if config.principle == "absolute" else self._counts
         return np.array([float(self._last)])
 
     def _edges(self, angle_rad: float) -> int:

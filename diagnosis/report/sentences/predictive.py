@@ -47,12 +47,12 @@ def predictive_sentence(checks: Sequence[CheckedStatistic]) -> str:
     )
     if len(outside) <= expected + SLACK_SD * sqrt(expected):
         return count
-    said = []
+    sentences = []
     for (name, is_above), meaning in MEANINGS.items():
         quantities = [each.quantity for each in outside if each.name == name and (each.share_below > 0.5) == is_above]
         if quantities:
-            said.append(f"{listed([*dict.fromkeys(quantities)])} {meaning}")
-    return f"{count} Outside means: {'; '.join(said)}."
+            sentences.append(f"{listed([*dict.fromkeys(quantities)])} {meaning}")
+    return f"{count} Outside means: {'; '.join(sentences)}."
 
 
 def in_json(checks: Sequence[CheckedStatistic]) -> list[dict[str, object]]:

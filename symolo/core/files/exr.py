@@ -56,12 +56,12 @@ def read_exr(
             check_size(x1 - x0 + 1, y1 - y0 + 1)
         line = _line(attributes, x1 - x0 + 1)
         names = line.names or ()
-        kept = tuple(names if wanted is None else wanted)
-        if not set(kept) <= set(names):
+        chosen = tuple(names if wanted is None else wanted)
+        if not set(chosen) <= set(names):
             there = ", ".join(ascii(name)[1:-1] for name in sorted(names)[:8]) or "none"
-            raise ValueError(f"has the channels {there}; expected {', '.join(kept)}")
+            raise ValueError(f"has the channels {there}; expected {', '.join(chosen)}")
         lines = _lines if attributes["compression"] == b"\0" else _blocks
-        return lines(data, at, _Layout(attributes["compression"][0], line, (y0, y1), kept))
+        return lines(data, at, _Layout(attributes["compression"][0], line, (y0, y1), chosen))
     except (struct.error, IndexError, KeyError) as error:
         raise ValueError(f"truncated OpenEXR file of {len(data)} bytes") from error
 
@@ -86,7 +86,8 @@ class _Layout:
     """Type of one scan line."""
     rows: tuple[int, int]
     """First and last row."""
-    kept: tuple[str, ...]
+    chosen: tuple[str, ...]
+    """Names of the channels to read."""
 
 
 def _lines(data: bytes, at: int, layout: _Layout) -> Channels:
@@ -101,17 +102,17 @@ def _lines(data: bytes, at: int, layout: _Layout) -> Channels:
     lines = np.frombuffer(data, record, height, at)
     if not np.array_equal(lines["y"], np.arange(y0, y1 + 1)) or np.any(lines["size"] != line.itemsize):
         raise ValueError("damaged OpenEXR file: scan lines out of order")
-    return {name: lines["values"][name] for name in layout.kept}
+    return {name: lines["values"][name] for name in layout.chosen}
 
 
 def _blocks(data: bytes, at: int, layout: _Layout) -> Channels:
     """Read compressed lines from the blocks to which the table of offsets points."""
-    kind, line, (y0, y1), kept = layout.compression, layout.line, layout.rows, layout.kept
+    kind, line, (y0, y1), chosen = layout.compression, layout.line, layout.rows, layout.chosen
     if kind not in _LINES:
         raise ValueError("an OpenEXR file compressed otherwise than by ZIP; save it with ZIP compression or none")
     if len(line.names or ()) > _MAX_CHANNELS:  # a small file may unpack to any number of them
         raise ValueError(f"an OpenEXR file of {len(line.names or ())} channels; at most {_MAX_CHANNELS} are unpacked")
-    whole = np.empty(y1 - y0 + 1, [(name, line[name]) for name in kept])
+    whole = np.empty(y1 - y0 + 1, [(name, line[name]) for name in chosen])
     for first in range(y0, y1 + 1, _LINES[kind]):
         (place,) = struct.unpack_from("<Q", data, at)
         at += 8
@@ -122,9 +123,9 @@ def _blocks(data: bytes, at: int, layout: _Layout) -> Channels:
         if y != first or not 0 <= size <= len(data) - place - 8:
             raise ValueError("truncated or damaged OpenEXR file: a block of lines is not where it should be")
         block = np.frombuffer(_unpacked(data[place + 8 : place + 8 + size], line.itemsize * count), line)
-        for name in kept:
+        for name in chosen:
             whole[name][first - y0 : first - y0 + count] = block[name]
-    return {name: whole[name] for name in kept}
+    return {name: whole[name] for name in chosen}
 
 
 def _unpacked(packed: bytes, expected: int) -> bytes:
