@@ -4,7 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 
+from benchmarks.diagnosis.independent_cases.beyond import WORSE
+from benchmarks.diagnosis.independent_cases.case import make_cases
+from benchmarks.diagnosis.independent_cases.disturbances import correlated_noise
 from benchmarks.diagnosis.independent_cases.drives import wheels as drive_wheels
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.motors.motor import Motor
@@ -213,3 +217,19 @@ def test_wheels_on_one_supply_follow_euler_steps():
     speeds = drive_wheels.run(setting, WHEEL_EFFECTS, [0], u[None], np.zeros((1, rows + 1, 3)))[:, 0]
     np.testing.assert_allclose(speeds, np.array(mean).transpose(1, 0, 2), atol=0.06)
     assert (np.abs(speeds[1:] - speeds[0]).max(axis=(1, 2)) > 0.3).all(), "every effect must show"
+
+
+def test_noise_with_heavy_tails_has_unit_variance_and_the_tails_of_student_s_t():
+    noise = correlated_noise(np.random.default_rng(1), (200_000,), 0.0, 5)
+    beyond = 2 * student_t.sf(4 * np.sqrt(5 / 3), 5)
+    assert np.var(noise) == pytest.approx(1.0, rel=0.05)
+    assert np.mean(np.abs(noise) > 4) == pytest.approx(beyond, rel=0.1)
+
+
+@pytest.mark.parametrize("kind", ["motor_steady", "tof_bench"])
+def test_a_disturbance_beyond_the_usual_ones_is_in_every_case(kind):
+    noise = [truth["disturbances"] for _, _, truth in make_cases(kind, 6, 3, WORSE["correlation"])]
+    outliers = [truth["disturbances"] for _, _, truth in make_cases(kind, 6, 3, WORSE["outliers"])]
+    assert all(0.3 <= plan["lag1"] <= 0.6 for plan in noise if plan["lag1"])
+    assert sum(plan["lag1"] > 0 for plan in noise) >= 4  # it stays white where an effect of the noise is hidden
+    assert all(0.08 <= share <= 0.15 for plan in outliers for share in plan["outlier_share"].values())

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from benchmarks.diagnosis.independent_cases import bound, judge
+from benchmarks.diagnosis.independent_cases.beyond import WORSE
 from benchmarks.diagnosis.independent_cases.case import KINDS, make_cases
 from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
 
@@ -17,6 +18,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder of the cases and of truth.json")
     parser.add_argument("--again", action="store_true", help="also make each measurement again, with other noise")
     parser.add_argument(
+        "--beyond", choices=sorted(WORSE), help="make one kind of disturbance larger than usual in all cases"
+    )
+    parser.add_argument(
         "--truth",
         type=Path,
         help="truth.json of the cases; alone, for the share of effects that an ideal test would see",
@@ -28,7 +32,9 @@ def main() -> None:
     elif args.truth:
         bound.run(args.truth)
     elif args.kind and args.out:
-        for files, again, truth in make_cases(args.kind, args.cases, args.seed):
+        if args.beyond and args.kind == "drive_log":
+            parser.error("--beyond changes benches and step logs, no drives")
+        for files, again, truth in make_cases(args.kind, args.cases, args.seed, WORSE.get(args.beyond)):
             write_case(args.out / truth["case"], files)
             if args.again:
                 write_case(args.out / f"{truth['case']}_again", again)

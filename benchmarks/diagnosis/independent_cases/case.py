@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.diagnosis.independent_cases import detectability
+from benchmarks.diagnosis.independent_cases.beyond import Worsen
 from benchmarks.diagnosis.independent_cases.detectability import HIGH, LOW, OUTSIDE_LOW
 from benchmarks.diagnosis.independent_cases.draws import log_uniform
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
@@ -64,9 +65,13 @@ class Drawn:
     rivals: dict[str, float]  # LR beside every listed name, for an outside effect and one effect on the mean
 
 
-def _draw_once(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> Drawn | None:
+def _draw_once(
+    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator, worsen: Worsen | None
+) -> Drawn | None:
     """Draw a setting and sizes; return None where the setting cannot show the effects."""
     setting = kind(rng)
+    if worsen is not None:
+        worsen(setting, rng)
     if not setting.prepare(names, rng):
         return None
     recipes = [setting.recipe(name, rng) for name in names]
@@ -105,12 +110,14 @@ def _entries(drawn: Drawn) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     return effects, outside
 
 
-def draw_case(kind: type[Setting], category: str, names: list[str], rng: np.random.Generator) -> tuple[Drawn, int]:
+def draw_case(
+    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator, worsen: Worsen | None = None
+) -> tuple[Drawn, int]:
     """Return the setting and the effects of one case, and the number of settings that were tried.
 
     Raises RuntimeError where no setting of many shows the effects.
     """
-    attempts = ((attempt, _draw_once(kind, category, names, rng)) for attempt in range(1, ATTEMPTS + 1))
+    attempts = ((attempt, _draw_once(kind, category, names, rng, worsen)) for attempt in range(1, ATTEMPTS + 1))
     attempt, drawn = next((pair for pair in attempts if pair[1] is not None), (ATTEMPTS, None))
     if drawn is None:
         raise RuntimeError(f"{kind.KIND}: {names} is not detectable in {ATTEMPTS} settings; use another seed")
@@ -118,10 +125,10 @@ def draw_case(kind: type[Setting], category: str, names: list[str], rng: np.rand
 
 
 def make_case(
-    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator
+    kind: type[Setting], category: str, names: list[str], rng: np.random.Generator, worsen: Worsen | None
 ) -> tuple[CaseFiles, CaseFiles, dict[str, Any]]:
     """Return the files of one case, those of the same measurement with other noise, and its entry of truth.json."""
-    drawn, attempt = draw_case(kind, category, names, rng)
+    drawn, attempt = draw_case(kind, category, names, rng, worsen)
     setting = drawn.setting
     files, again = (setting.produce(variant_of(drawn.sized), rng) for _ in range(2))
     effects, outside = _entries(drawn)
@@ -151,11 +158,13 @@ def deal_cases(kind: str, count: int, seed: int) -> Iterator[tuple[str, list[str
         yield category, names[i], np.random.default_rng([seed, number, i])
 
 
-def make_cases(kind: str, count: int, seed: int) -> Iterator[tuple[CaseFiles, CaseFiles, dict[str, Any]]]:
+def make_cases(
+    kind: str, count: int, seed: int, worsen: Worsen | None = None
+) -> Iterator[tuple[CaseFiles, CaseFiles, dict[str, Any]]]:
     """Yield the files, those of the same measurement again, and the truth of `count` cases; the same for the same
     arguments.
     """
     number = sorted(KINDS).index(kind)
     for i, (category, names, rng) in enumerate(deal_cases(kind, count, seed)):
-        files, again, truth = make_case(KINDS[kind], category, names, rng)
+        files, again, truth = make_case(KINDS[kind], category, names, rng, worsen)
         yield files, again, {"case": f"{kind}_{i + 1:03d}", "seed": [seed, number, i], **truth}

@@ -19,6 +19,7 @@ class Plan:
     outliers_together: bool  # whether the channels have their outliers in the same rows
     lag1: float  # lag-one correlation of the noise
     dropout_share: float  # share of the cells that are empty
+    tail_degrees: int | None = None  # of freedom of Student's t, from which the noise is drawn; Gaussian without
 
 
 def draw_plan(rng: np.random.Generator, channels: Sequence[str]) -> Plan:
@@ -42,9 +43,14 @@ def draw_tolerance_factor(rng: np.random.Generator) -> float:
     return 1.0 if rng.random() < 0.75 else round(rng.uniform(0.7, 1.5), 3)
 
 
-def correlated_noise(rng: np.random.Generator, shape: tuple[int, ...], lag1: float) -> Array:
+def correlated_noise(
+    rng: np.random.Generator, shape: tuple[int, ...], lag1: float, tail_degrees: int | None = None
+) -> Array:
     """Draw first-order autoregressive noise of unit variance along the last axis."""
-    white = rng.standard_normal(shape)
+    if tail_degrees is None:
+        white = rng.standard_normal(shape)
+    else:
+        white = rng.standard_t(tail_degrees, shape) / np.sqrt(tail_degrees / (tail_degrees - 2))
     if lag1 == 0:
         return white
     noise = np.empty(shape)
@@ -62,9 +68,9 @@ def whitened(values: Array, lag1: float) -> Array:
 
 
 def _outlier_mask(rng: np.random.Generator, rows: int, share: float, style: str) -> Mask:
-    """Draw the rows that are outliers, alone or in runs of 2 to 5, at most 6 % of all."""
+    """Draw the rows that are outliers, alone or in runs of 2 to 5, at most 6 % of all if their share is not larger."""
     mask = np.zeros(rows, bool)
-    number = min(int(rng.binomial(rows, share)), int(0.06 * rows)) if share > 0 else 0
+    number = min(int(rng.binomial(rows, share)), int(max(0.06, share) * rows)) if share > 0 else 0
     while mask.sum() < number:
         length = 1 if style == "alone" else int(rng.integers(2, 6))
         start = int(rng.integers(rows))

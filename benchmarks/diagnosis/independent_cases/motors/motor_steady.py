@@ -119,7 +119,7 @@ class SteadySetting(Setting):
             "u_cmd_V": (self.u_V, "%.4f"),
         }
         for channel, clean in (("current_A", amps[0]), ("omega_rad_s", speed[0])):
-            values = clean + sd[channel] * disturbances.correlated_noise(rng, (rows,), plan.lag1)
+            values = clean + sd[channel] * disturbances.correlated_noise(rng, (rows,), plan.lag1, plan.tail_degrees)
             if channel == "omega_rad_s":
                 values = np.where(clean == 0, 0.0, values)  # a counter of a motor at rest has no noise
             spikes = disturbances.spikes(rng, np.full(rows, sd[channel]))

@@ -168,7 +168,9 @@ class StepSetting(Setting):
         } | columns
         for channel, clean in (("current_A", amps[0]), ("omega_rad_s", speed[0])):
             step, sd = _resolution(self.stated[channel]), self._sd[channel]
-            values = (clean + sd * disturbances.correlated_noise(rng, clean.shape, plan.lag1)).ravel()
+            values = (
+                clean + sd * disturbances.correlated_noise(rng, clean.shape, plan.lag1, plan.tail_degrees)
+            ).ravel()
             values = values + np.where(masks[channel], disturbances.spikes(rng, np.full(rows, sd)), 0.0)
             values = np.round(values / step) * step
             values = np.where(disturbances.dropouts(rng, rows, plan.dropout_share), np.nan, values)

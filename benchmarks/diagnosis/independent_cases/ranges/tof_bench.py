@@ -262,7 +262,7 @@ class RangeSetting(Setting):
         clean, sd = self.predict(variant), self._sd(variant.effects)
         if "range_wander" in listed:
             clean = clean + first_order_path(rng, self.bench.t_s, **listed["range_wander"])
-        values = clean + sd * disturbances.correlated_noise(rng, (rows,), plan.lag1)
+        values = clean + sd * disturbances.correlated_noise(rng, (rows,), plan.lag1, plan.tail_degrees)
         if "range_saturation" in listed and self.saturation_after_noise:
             values = np.minimum(values, listed["range_saturation"]["saturation_m"])
         mask = disturbances.outlier_masks(rng, rows, [CHANNEL], plan)[CHANNEL]
