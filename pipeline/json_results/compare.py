@@ -1,10 +1,10 @@
 """The result of `symolo compare --json`."""
 
 import math
-from collections.abc import Sequence
 from typing import Literal
 
 from pipeline.json_results.base import JsonPart, JsonResult
+from symolo.compare.comparison import Comparison
 from symolo.compare.conclusion import CLOSE, DIFFERENT, IDENTICAL, Conclusion
 from symolo.compare.folders import FileResult, Verdict
 
@@ -43,6 +43,15 @@ class ComparedFile(JsonPart):
         )
 
 
+class SettingPair(JsonPart):
+    setting: str
+    """Path in the scenario."""
+    a: str
+    """Value or distribution in A; "nothing" without the field."""
+    b: str
+    """The same in B."""
+
+
 class CompareResult(JsonResult):
     """How alike two datasets, runs, folders or files are."""
 
@@ -66,30 +75,25 @@ class CompareResult(JsonResult):
     """Files with other bytes; all files with --all."""
     made_differently: list[str]
     """A line for each program and processor that differs."""
+    settings: list[SettingPair]
+    """Settings of the scenarios of two releases that differ."""
 
     @classmethod
-    def of(
-        cls,
-        a: str,
-        b: str,
-        tolerance_db: float,
-        results: Sequence[FileResult],
-        made_differently: Sequence[str],
-        *,
-        every: bool,
-    ) -> "CompareResult":
+    def of(cls, comparison: Comparison, *, every: bool) -> "CompareResult":
+        results = comparison.results
         conclusion = Conclusion.of(results)
         same = sum(result.verdict is Verdict.IDENTICAL for result in results)
         shown = [result for result in results if every or result.verdict is not Verdict.IDENTICAL]
         return cls(
             exit_code=conclusion.code,
-            a=a,
-            b=b,
-            tolerance_db=tolerance_db,
+            a=str(comparison.a),
+            b=str(comparison.b),
+            tolerance_db=comparison.tolerance_db,
             conclusion=_CONCLUSIONS[conclusion.code],
             text=conclusion.text,
             files=len(results),
             identical=same,
             differences=[ComparedFile.of(result) for result in shown],
-            made_differently=list(made_differently),
+            made_differently=list(comparison.made_differently),
+            settings=[SettingPair(setting=one.field, a=one.a, b=one.b) for one in comparison.settings],
         )

@@ -1,5 +1,6 @@
 """Comparison of two folders, file by file: identical, equal within a tolerance, different, or only in one of them."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -20,7 +21,7 @@ KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
 }
 """Comparing function by suffix; all other files are identical or different."""
 
-FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION, *SEALS})
+FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION})
 """Files at the top that are written from the others, or describe how they were made."""
 
 _CHUNK_BYTES = 1 << 20
@@ -45,9 +46,10 @@ class FileResult:
     likeness: Likeness = EQUAL
 
     def __str__(self) -> str:
+        level_db, what = self.likeness.level_db, self.likeness.what
         text = {
-            Verdict.CLOSE: f"equal within {shown_db(self.likeness.level_db)}: {self.likeness.what}",
-            Verdict.DIFFERENT: f"different ({shown_db(self.likeness.level_db)}): {self.likeness.what}",
+            Verdict.CLOSE: f"{'equal within ' if math.isfinite(level_db) else ''}{shown_db(level_db)}: {what}",
+            Verdict.DIFFERENT: f"different ({shown_db(level_db)}): {what}",
             Verdict.FOLLOWS: "differs; it is written from the other files, or describes how they were made",
         }.get(self.verdict, self.verdict.value)
         return one_line(f"{self.name}: {text}")
@@ -76,9 +78,7 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
     if not names_a and not names_b:
         raise InputError("both folders are empty", where=f"{a} and {b}", cure="name two datasets, runs or images")
     for name in sorted(names_a | names_b):
-        if name in SEALS and not (name in names_a and name in names_b):
-            yield FileResult(name, Verdict.FOLLOWS)
-        elif name not in names_b:
+        if name not in names_b:
             yield FileResult(name, Verdict.ONLY_A)
         elif name not in names_a:
             yield FileResult(name, Verdict.ONLY_B)
@@ -87,10 +87,10 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
 
 
 def _names(root: Path) -> set[str]:
-    """Return the path within `root` of everything but folders and the hidden stages of an output folder."""
+    """Return the paths within `root` of all files but signatures and the hidden stages of an output folder."""
     paths = (path for path in root.rglob("*") if path.is_symlink() or not path.is_dir())
     inner = ((path, path.relative_to(root)) for path in paths)
-    return {name.as_posix() for _, name in inner if name.parts[0] != STAGES}
+    return {name.as_posix() for _, name in inner if name.parts[0] != STAGES} - set(SEALS)
 
 
 def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:

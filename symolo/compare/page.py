@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
+from symolo.compare.comparison import Comparison
 from symolo.compare.conclusion import Conclusion
 from symolo.compare.folders import FileResult, Verdict
-from symolo.compare.images import is_of_ids
 from symolo.compare.likeness import shown_db
 from symolo.compare.pairs import ColumnPair, ImagePair, column_pair, image_pair, is_image, is_table
 from symolo.core.files.plain_files import FileKind, read_file
@@ -35,27 +34,6 @@ class DifferingFile:
     column: ColumnPair | None = None
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Everything that the page shows."""
-
-    a: Path
-    b: Path
-    tolerance_db: float
-    results: Sequence[FileResult]
-    made_differently: Sequence[str]
-
-    @property
-    def unlike(self) -> list[FileResult]:
-        """Files with other bytes in both: what a camera sees before ids, and of each the least alike first."""
-        both = [result for result in self.results if result.verdict in {Verdict.DIFFERENT, Verdict.CLOSE}]
-        return sorted(both, key=lambda result: (is_of_ids(result.name), result.likeness.level_db, result.name))
-
-    def place(self, root: Path, name: str) -> Path:
-        """Return the path of a file; two files were compared if `root` is one."""
-        return root / name if root.is_dir() else root
-
-
 def comparison_page(comparison: Comparison) -> bytes:
     """Return the page, which needs no file beside itself; the same files give the same bytes."""
     unlike = comparison.unlike
@@ -72,6 +50,7 @@ def comparison_page(comparison: Comparison) -> bytes:
         image_count=sum(is_image(result.name) for result in unlike),
         tables=[one for one in plotted if one.column is not None],
         listed={title: rows for title, rows in listed.items() if rows},
+        setting_rows=[(one.field, one.a, one.b) for one in comparison.settings],
         max_listed=MAX_LISTED,
     )
     return page.encode()

@@ -113,6 +113,24 @@ class Choice:
 Distribution = Uniform | Normal | LogUniform | Choice
 
 
+def in_words(distribution: Distribution | None) -> str:
+    """Return a distribution in the words of a scenario; empty for None."""
+    match distribution:
+        case Uniform(low, high):
+            return f"uniform {low:g} to {high:g}"
+        case LogUniform(low, high):
+            return f"log-uniform {low:g} to {high:g}"
+        case Normal(mean, sd, low, high):
+            minimum, maximum = distribution.extremes()
+            cut = "" if low is None and high is None else f", cut at {minimum:g} and {maximum:g}"
+            return f"normal {mean:g}, sd {sd:g}{cut}"
+        case Choice(options):
+            names = ", ".join(str(option) for option in options[:8])
+            return f"choice of {names}" + (f" and {len(options) - 8} more" if len(options) > 8 else "")
+        case None:
+            return ""
+
+
 def parse(node: Node, path: FieldPath) -> Distribution:
     """Read a distribution.
 

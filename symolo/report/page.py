@@ -5,13 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
+from symolo.core.distributions import in_words
 from symolo.core.errors import one_line
 from symolo.core.progress import seconds
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.pages.html import grouped, render_page
 from symolo.pages.states import named
 from symolo.report.media import Media
-from symolo.report.plots.draw_strip import Strip, in_words, strip
+from symolo.report.plots.draw_strip import Strip, strip
 from symolo.report.statistics.draws import DrawnField, drawn_fields
 from symolo.report.statistics.facts import ReleaseFacts
 from symolo.report.statistics.spread import spread

@@ -197,39 +197,39 @@ def compare(
 ) -> int:
     """Compare two datasets, runs or folders of images, file by file.
 
-    The command prints a line for each file whose bytes differ, a line for each program and processor that differs,
-    and a line with the conclusion. The exit code is 0 if all files are identical, 6 if they are equal within
-    --tolerance-db, and 7 if they differ.
+    The command prints a line for each file whose bytes differ, for each program and processor that differs, and for
+    each setting of two releases that differs, and a line with the conclusion. The exit code is 0 if all files are
+    identical, 6 if they are equal within --tolerance-db, and 7 if they differ.
 
     Example: symolo compare data data-of-another-machine --tolerance-db 60
 
     Example: symolo compare before after --page differences.html
     """
+    from symolo.compare.comparison import Comparison
     from symolo.compare.conclusion import Conclusion, made_differently
     from symolo.compare.folders import Verdict
     from symolo.compare.folders import compare as results_of
+    from symolo.compare.settings import changed_settings
 
     results = []
     for result in results_of(a, b, tolerance_db):
         results.append(result)
         if not as_json and (every or result.verdict is not Verdict.IDENTICAL):
             typer.echo(str(result))
-    differently = list(made_differently(a, b))
+    comparison = Comparison(a, b, tolerance_db, results, list(made_differently(a, b)), changed_settings(a, b))
     if page is not None:
-        from symolo.compare.page import Comparison, comparison_page
+        from symolo.compare.page import comparison_page
         from symolo.core.files.atomic_files import write_file
 
-        write_file(page, comparison_page(Comparison(a, b, tolerance_db, results, differently)))
+        write_file(page, comparison_page(comparison))
     if as_json:
         from pipeline.json_results.compare import CompareResult
 
-        compared = CompareResult.of(str(a), str(b), tolerance_db, results, differently, every=every)
+        compared = CompareResult.of(comparison, every=every)
         typer.echo(compared.to_json())
         return compared.exit_code
-    for line in differently:
-        typer.echo(line)
     conclusion = Conclusion.of(results)
-    typer.echo(conclusion.text)
+    typer.echo("\n".join((*comparison.other_lines, conclusion.text)))
     return conclusion.code
 
 

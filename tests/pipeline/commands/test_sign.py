@@ -152,8 +152,8 @@ def test_every_other_command_takes_a_signed_release(signed, symolo, tmp_path, re
 
 def test_a_signature_is_no_difference_between_two_datasets(signed, dataset, symolo):
     ended = symolo("compare", signed, dataset)
-    assert ended.code == 6
-    assert [line.split(":")[0] for line in ended.out.splitlines()[:3]] == sorted(SEALS)
+    assert ended.code == 0
+    assert ended.out.startswith("identical: ")
 
 
 def test_a_new_signature_replaces_that_in_a_store_and_an_old_copy_leaves_it(signed, dataset, symolo, tmp_path):

@@ -11,6 +11,7 @@ import pytest
 
 from pipeline.work.processors import class_of, cpu_class
 from symolo.compare.folders import Verdict, compare
+from symolo.dataset.manifest import SEALS
 
 TABLE = "t,x,state\n0,4.0,0\n50,-8.0,0\n100,2.0,1\n"
 
@@ -191,3 +192,33 @@ def test_a_processor_whose_kernels_the_environment_names_is_of_another_class(mon
     by_itself = cpu_class()
     monkeypatch.setenv("OPENBLAS_CORETYPE", "Prescott")
     assert cpu_class() == f"{by_itself} OPENBLAS_CORETYPE=Prescott"
+
+
+@pytest.mark.parametrize("name", SEALS)
+def test_what_signing_adds_is_not_compared(pair, symolo, name):
+    a, b = pair
+    (a / name).write_text("signed with one key")
+    assert symolo("compare", a, b).out == "identical: 4 files\n"
+    (b / name).write_text("signed with another key")
+    assert symolo("compare", a, b).code == 0
+
+
+def test_a_file_in_another_form_has_the_same_values(pair):
+    (pair[1] / "spec.json").write_text(json.dumps(json.loads((pair[0] / "spec.json").read_text()), indent=4))
+    assert str(only(pair)) == "spec.json: the same values: differs only in how it was made, or in its form"
+
+
+def test_settings_of_two_releases_that_differ_are_listed(painted, tmp_path, symolo):
+    a = painted()
+    b = painted(settings=["look.sun.elevation_deg=60", "look.boards.wear={uniform: [0.2, 0.3]}"])
+    page = tmp_path / "page.html"
+    lines = symolo("compare", a, b, "--page", page).out.splitlines()
+    settings = [line for line in lines if line.startswith("other setting")]
+    assert "other setting look.sun.elevation_deg: uniform 18 to 50 in A, 60 in B" in settings
+    assert "other setting look.boards.wear: uniform 0.1 to 0.8 in A, uniform 0.2 to 0.3 in B" in settings
+    assert len(settings) == 2
+    assert "look.sun.elevation_deg" in page.read_text()
+    assert [one["setting"] for one in json.loads(symolo("compare", a, b, "--json").out)["settings"]] == [
+        "look.boards.wear",
+        "look.sun.elevation_deg",
+    ]

@@ -2,9 +2,9 @@
 
 import pytest
 
-from symolo.core.distributions import Choice, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, LogUniform, Normal, Uniform, in_words
 from symolo.reader.dataset import load
-from symolo.report.plots.draw_strip import MAX_MARKS, in_words, strip
+from symolo.report.plots.draw_strip import MAX_MARKS, strip
 from symolo.report.statistics.draws import DrawnField, drawn_fields
 from symolo.report.statistics.run_facts import run_facts
 
