@@ -84,7 +84,7 @@ class MotorSteady:
         measured = good_values(measurement, "omega_rad_s")
         everywhere = observed_channel(measurement, "omega_rad_s", self._known, covariates)
         self._speed_sd_rad_s = everywhere.sd
-        self._is_seen, self._turns = _seen(measured, everywhere.sd, self._voltage_V)
+        self._is_seen, self._turns = _seen(measured, everywhere.sd, self._voltage_V, self.is_far)
         self._is_seen &= self._known
         usable = self.is_far | self._is_seen
         # Without a voltage a motor stands still for certain, which says nothing.
@@ -136,19 +136,21 @@ class MotorSteady:
         return self._voltage_V[rows], self._since_on_s[rows], supply_V
 
 
-def _seen(speed_rad_s: Array, sd_rad_s: Array, voltage_V: Array) -> tuple[Mask, Mask]:
+def _seen(speed_rad_s: Array, sd_rad_s: Array, voltage_V: Array, is_far: Mask) -> tuple[Mask, Mask]:
     """Return in which rows (n,) it is known whether the motor turns, and in which it does.
 
     Args:
         speed_rad_s: (n,), measured speeds, NaN where there is none.
         sd_rad_s: (n,), standard deviation of their noise.
         voltage_V: (n,), voltages.
+        is_far: (n,), rows with a voltage at which the speed of a motor that turns would be seen.
     """
     if np.any(speed_rad_s == 0.0):
         return np.isfinite(speed_rad_s), np.isfinite(speed_rad_s) & (speed_rad_s != 0.0)
     along = speed_rad_s * np.sign(voltage_V)
     turns = along > TURNING * sd_rad_s
-    return turns | (np.abs(speed_rad_s) < STILL * sd_rad_s), turns
+    # Near the voltage at which it starts, a motor may turn so slowly that the noise hides it.
+    return turns | (is_far & (np.abs(speed_rad_s) < STILL * sd_rad_s)), turns
 
 
 def _since_on_s(trial: Trial) -> Array:

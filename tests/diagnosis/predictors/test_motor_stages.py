@@ -348,9 +348,22 @@ class TestRowsNearBreakaway:
         assert not speed.usable[1]
 
     def test_an_instrument_with_noise_at_rest_is_believed_beyond_it(self, robot):
-        """No reading is exactly 0: below three standard deviations it stands still, above six it turns."""
+        """No reading is exactly 0: above six standard deviations the motor turns, and below it may do so slowly."""
         current, _ = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0]).observed
-        assert current.usable.tolist() == [True, True, False, True, True]
+        assert current.usable.tolist() == [True, False, False, True, True]
+
+    def test_at_a_voltage_that_turns_a_motor_fast_it_stands_still_within_the_noise(self, robot):
+        stage = self.stage(robot, [0.05, 1.0, 1.0, 1.0, 0.05])
+        current, _ = stage.observed
+        assert current.usable.all()
+        assert stage.predict([robot])[0].mean[0, 4] == pytest.approx(2.0 / R)
+
+    def test_a_motor_that_turns_within_the_noise_does_not_change_the_resistance(self, robot):
+        """At 0.1 V and half the friction the motor just turns, with the current TC / (2 K) and not 0.1 V / R."""
+        easy = robot.with_section("motor", {"coulomb_friction_N_m": 0.499 * TC})
+        stage = self.stage(robot, [0.05, 0.001, 1.0, 1.0, 16.0])
+        assert not stage.observed[0].usable[1]
+        assert stage.predict([easy])[0].mean[0, 1] == pytest.approx(0.5 * TC / K, rel=0.01)
 
 
 def test_errors_of_the_voltage_have_the_responses_of_a_linear_motor(robot):
