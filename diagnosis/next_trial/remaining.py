@@ -9,7 +9,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight, rise_over
+from diagnosis.inference.selection.rivals import AS_GOOD, SECOND, relative_weight, rises_over
 from symolo.core.errors import InputError
 
 MAX_MODELS = 6
@@ -70,9 +70,13 @@ def _fits(diagnosis: Diagnosis) -> Iterator[tuple[HypothesisFit, float]]:
             yield rival.fit, rival.worse
     if len(diagnosis.named) == 1:
         (named,) = diagnosis.named
-        for pair in diagnosis.selection.pairs:
-            if named.effect.kind not in {effect.kind for effect in pair.hypothesis.effects}:
-                yield pair, rise_over(diagnosis.evidence, best, pair) + SECOND
+        pairs = [
+            pair
+            for pair in diagnosis.selection.pairs
+            if named.effect.kind not in {effect.kind for effect in pair.hypothesis.effects}
+        ]
+        for pair, rise in zip(pairs, rises_over(diagnosis.evidence, best, pairs), strict=True):
+            yield pair, rise + SECOND
     if not diagnosis.named:
         yield from _hints(diagnosis)
 

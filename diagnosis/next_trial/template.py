@@ -21,9 +21,14 @@ INSTEAD = (
 """What to do with data that are no case."""
 
 
-def has_trials(measurement: Measurement) -> bool:
-    """Return whether trials can be designed for a measurement, which must be cases that state their nominal robot."""
-    return all(case.kind in KINDS and case.nominal is not None for case in measurement.cases or (measurement,))
+def without_trials(measurement: Measurement) -> str | None:
+    """Return why `symolo next` designs no trial for a measurement, as the end of a sentence; None if it does."""
+    cases = measurement.cases or (measurement,)
+    if any(case.kind not in KINDS or case.nominal is None for case in cases):
+        return f"which are no case with a nominal.yaml: {INSTEAD}"
+    if len({case.kind for case in cases}) > 1:
+        return "which are cases of several kinds: diagnose those of one kind alone"
+    return None
 
 
 def template_of(measurement: Measurement) -> Measurement:

@@ -14,8 +14,9 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from symolo.core.arrays import Array
 
-MAX_BYTES = 64 * 2**20
-"""Memory for the predictions of one stage that are kept."""
+MAX_BYTES = 256 * 2**20
+"""Memory for the predictions of one stage that are kept. The search for rivals begins where the selection began, which
+is several thousand predictions earlier."""
 
 Key = tuple[object, ...]
 """All that acts on a stage, one value after the other."""

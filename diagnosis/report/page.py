@@ -6,7 +6,7 @@ from diagnosis.extended_robot import FILE
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
-from diagnosis.next_trial.template import INSTEAD, has_trials
+from diagnosis.next_trial.template import without_trials
 from diagnosis.posterior.posterior import FILE as POSTERIOR_FILE
 from diagnosis.report import dataset_comparison, engines, verdict
 from diagnosis.report.matrix import matrix_rows
@@ -78,8 +78,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         engines=engines,
         quantities=quantities,
         verdict=verdict,
-        has_trials=has_trials(diagnosis.measurement),
-        instead=INSTEAD,
+        without_trials=without_trials(diagnosis.measurement),
     )
 
 

@@ -8,7 +8,7 @@ from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import AS_GOOD
 from diagnosis.inference.unexplained.adequacy import LEVEL
 from diagnosis.measured.overview import summary_line
-from diagnosis.next_trial.template import INSTEAD, has_trials
+from diagnosis.next_trial.template import without_trials
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
@@ -125,8 +125,8 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
         yield from _entry(f"  {name} shows in", excitation)
     if named.comparison.ambiguous_with:
         text = "designed by: symolo next DIR --out next, where DIR is the folder of this diagnosis"
-        if not has_trials(data.diagnosis.measurement):
-            text = f"`symolo next` designs none for these data, which are no case with a nominal.yaml; {INSTEAD}"
+        if reason := without_trials(data.diagnosis.measurement):
+            text = f"`symolo next` designs none for these data, {reason}"
         yield from _entry("  next trial", text)
 
 

@@ -13,13 +13,11 @@ from itertools import repeat
 
 import numpy as np
 
-from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fitting.coordinate import STEP
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.fitting.likelihood import (
-    LEVEL_SD,
     NoiseFit,
     cost,
     costs_of_residuals,
@@ -28,6 +26,12 @@ from diagnosis.inference.fitting.likelihood import (
     robust_weight,
     stated_noise,
     weights,
+)
+from diagnosis.inference.fitting.noise_effects import (
+    costs_with_fitted_noise,
+    has_noise_effect,
+    information_of_levels,
+    with_own_level,
 )
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
@@ -43,8 +47,6 @@ FAR = 40.0
 needed."""
 STRETCHES = (0.4, 0.7, 0.85, 1.2, 1.4, 2.2)
 """Factors on the size of an effect that are tried where no step lowers the cost any more."""
-EVEN = 0.7
-"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole."""
 NUISANCE_STEP = 0.05
 """Step of a derivative by a nuisance, in standard deviations of its tolerance."""
 
@@ -161,6 +163,8 @@ class _State:
     x: Array
     noise: NoiseFit | None = None
     """Noise of the last fit, or that which is known; None before the first one."""
+    has_own_level: Mask | None = None
+    """(Q,), quantities whose noise an effect scales as a whole; None where no effect of the noise is fitted with it."""
     cost: float = np.inf
     fit: HypothesisFit | None = None
     """The fit at x; None until its slopes are known."""
@@ -271,7 +275,10 @@ def _take_best(state: _State, tried: Array, prediction: Prediction) -> tuple[int
         return -1, 0.0
     evidence = state.contest.evidence
     prior, noise = state.hypothesis.prior(tried), state.noise or stated_noise(evidence)
-    costs = cost(evidence, prediction, prior, evidence.fit, noise)
+    if state.has_own_level is None:
+        costs = cost(evidence, prediction, prior, evidence.fit, noise)
+    else:
+        costs = costs_with_fitted_noise(evidence, prediction, prior, noise, state.has_own_level)
     best = int(np.argmin(costs))
     fall = state.cost - float(costs[best])
     if fall > 0.0:
@@ -313,7 +320,9 @@ def _fit(state: _State, prediction: Prediction) -> None:
     if state.noise is not None and state.contest.noises is not None:
         noise = state.noise
     else:
-        noise = fitted_noise(evidence, z, sd, state.noise or start, with_own_level(evidence, hypothesis, spreads))
+        has_own_level = with_own_level(evidence, hypothesis, spreads)
+        noise = fitted_noise(evidence, z, sd, state.noise or start, has_own_level)
+        state.has_own_level = has_own_level if has_noise_effect(hypothesis) else None
     level = noise.levels[evidence.quantity]
     z, sd = z / level, sd * level
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)
@@ -325,7 +334,7 @@ def _fit(state: _State, prediction: Prediction) -> None:
     information = (slopes[:, rows] * weight) @ slopes[:, rows].T + 2.0 * (spreads[:, rows] * is_good) @ spreads[
         :, rows
     ].T
-    information -= _of_levels(evidence, hypothesis, spreads, is_good)
+    information -= information_of_levels(evidence, hypothesis, spreads, is_good)
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
     state.cost = float(cost(evidence, here, hypothesis.prior(x)[None], rows, noise)[0])
@@ -334,34 +343,6 @@ def _fit(state: _State, prediction: Prediction) -> None:
     state.fit = HypothesisFit(
         evidence, hypothesis, x.copy(), state.cost, z, lost, sd, noise, slopes, spreads, information, by_tolerances
     )
-
-
-def _of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_good: Array) -> Array:
-    """Return the information (P, P) about effects of the noise that is lost since the levels are not known.
-
-    It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
-    """
-    lost = np.zeros((len(spreads), len(spreads)))
-    has_own_level = with_own_level(evidence, hypothesis, spreads)
-    quantity = evidence.quantity[evidence.fit]
-    for k in np.flatnonzero(~has_own_level).tolist():
-        of_quantity = np.where(quantity == k, is_good, 0.0)
-        shared = 2.0 * spreads[:, evidence.fit] @ of_quantity
-        lost += np.outer(shared, shared) / (2.0 * of_quantity.sum() + LEVEL_SD**-2)
-    return lost
-
-
-def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
-    """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
-    has_own_level = np.zeros(len(evidence.observed), dtype=bool)
-    for effect in hypothesis.effects:
-        if effect.kind.slot is not Slot.RANGE_NOISE:
-            continue
-        change = np.abs(spreads[hypothesis.parameters(effect)]).sum(axis=0)
-        for k, place in enumerate(evidence.places):
-            inside = change[place][evidence.fit[place]]
-            has_own_level[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
-    return has_own_level
 
 
 def _steps(fit: HypothesisFit) -> Array:

@@ -20,7 +20,7 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.memoized import memoized
-from diagnosis.inference.fitting.fit import HypothesisFit, fits
+from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.penalty import parameter_penalty
@@ -103,12 +103,14 @@ def compare_rivals(
     """
     rivals = []
     base = without(evidence, fit, effect)
-    for candidate in replaced(evidence, fit, effect, base, effects):
+    candidates = [
+        candidate
+        for candidate in replaced(evidence, fit, effect, base, effects)
+        if not is_negligible(candidate, candidate.hypothesis.added_to(fit.hypothesis))
+    ]
+    for candidate, worse in zip(candidates, rises_over(evidence, fit, candidates), strict=True):
         other = candidate.hypothesis.added_to(fit.hypothesis)
-        if is_negligible(candidate, other):
-            continue
         # Only a rival that would win must pass the tests of the selection; others are reported as they are.
-        worse = rise_over(evidence, fit, candidate)
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
     others = [
@@ -127,24 +129,43 @@ def compare_rivals(
     )
 
 
-def rise_over(evidence: Evidence, fit: HypothesisFit, other: HypothesisFit) -> float:
-    """Return the rise of the cost of all rows with another fit, with the penalties of both."""
-    penalties = parameter_penalty(other) - parameter_penalty(fit)
-    rise = other.whole_cost - fit.whole_cost + penalties
-    if min(rise, other.cost - fit.cost + penalties) > NEAR:
-        return rise
-    return _cost_of_all_rows(evidence, other) - _cost_of_all_rows(evidence, fit) + penalties
+def rises_over(evidence: Evidence, fit: HypothesisFit, others: Sequence[HypothesisFit]) -> list[float]:
+    """Return the rises of the cost of all rows with each of some other fits, with the penalties of both."""
+    penalties = [parameter_penalty(other) - parameter_penalty(fit) for other in others]
+    rises = [other.whole_cost - fit.whole_cost + penalty for other, penalty in zip(others, penalties, strict=True)]
+    near = [
+        min(rise, other.cost - fit.cost + penalty) <= NEAR
+        for other, rise, penalty in zip(others, rises, penalties, strict=True)
+    ]
+    if not any(near):
+        return rises
+    costs = _costs_of_all_rows(
+        evidence, [fit, *(other for other, is_near in zip(others, near, strict=True) if is_near)]
+    )
+    return [
+        costs[other] - costs[fit] + penalty if is_near else rise
+        for other, rise, penalty, is_near in zip(others, rises, penalties, near, strict=True)
+    ]
+
+
+def _costs_of_all_rows(evidence: Evidence, several: Sequence[HypothesisFit]) -> dict[HypothesisFit, float]:
+    """Return the cost of each hypothesis, fitted to the held-out rows as well; those not known yet side by side."""
+    known = _known_costs(evidence)
+    new = [fit for fit in dict.fromkeys(several) if fit not in known]
+    if not evidence.heldout.any():
+        known.update({fit: fit.cost for fit in new})
+    elif new:
+        none = np.zeros_like(evidence.heldout)
+        all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
+        refits = fits_of_contests([Contest(all_rows, [(fit.hypothesis, fit.x)]) for fit in new])
+        known.update({fit: refit.cost for fit, (refit,) in zip(new, refits, strict=True)})
+    return known
 
 
 @memoized
-def _cost_of_all_rows(evidence: Evidence, fit: HypothesisFit) -> float:
-    """Return the cost of a hypothesis that is fitted to the held-out rows as well."""
-    if not evidence.heldout.any():
-        return fit.cost
-    none = np.zeros_like(evidence.heldout)
-    all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
-    (refit,) = fits(all_rows, [(fit.hypothesis, fit.x)])
-    return refit.cost
+def _known_costs(_evidence: Evidence) -> dict[HypothesisFit, float]:
+    """Return the costs of all rows that are known, to which others are added."""
+    return {}
 
 
 def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
@@ -155,17 +176,12 @@ def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[Hypothesis
     if len(fit.hypothesis.effects) > 2:
         return []
     kinds = {other.kind for other in fit.hypothesis.effects}
-    rises = [
-        (
-            " and ".join(other.name for other in pair.hypothesis.effects),
-            rise_over(evidence, fit, pair),
-        )
-        for pair in pairs
-        if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)
-    ]
-    if not rises:
+    others = [pair for pair in pairs if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)]
+    if not others:
         return []
-    names, rise = min(rises, key=lambda pair: pair[1])
+    rises = rises_over(evidence, fit, others)
+    rise, best = min(zip(rises, others, strict=True), key=lambda each: each[0])
+    names = " and ".join(other.name for other in best.hypothesis.effects)
     return [(f"{names} together", rise + SECOND) if len(kinds) == 1 else (f"{names} in place of both", rise)]
 
 

@@ -84,6 +84,8 @@ class LinearEstimate:
     """(P,), most probable change of the coordinates."""
     covariance: Array
     """(P, P), of the coordinates."""
+    squares: float
+    """Generalised sum of squares of the residuals after the change."""
 
 
 def estimate(residual_m: Array, slopes_m: Array, covariance: Array, information: Array, pull: Array) -> LinearEstimate:
@@ -98,4 +100,6 @@ def estimate(residual_m: Array, slopes_m: Array, covariance: Array, information:
     """
     whitened = np.linalg.solve(covariance, np.concatenate([residual_m[None], slopes_m]).T)
     inverse = np.linalg.pinv(slopes_m @ whitened[:, 1:] + information, rcond=1e-10, hermitian=True)
-    return LinearEstimate(inverse @ (slopes_m @ whitened[:, 0] + pull), inverse)
+    change = inverse @ (slopes_m @ whitened[:, 0] + pull)
+    squares = (residual_m - change @ slopes_m) @ (whitened[:, 0] - whitened[:, 1:] @ change)
+    return LinearEstimate(change, inverse, float(squares))

@@ -130,9 +130,8 @@ class _Seen:
     def joint_cost(self, elsewhere: _Elsewhere) -> float:
         """Return -2 log-likelihood at the most probable change, up to a constant."""
         covariance = self.error.covariance(self.series.at, self.series.sd_m)
-        change = replace(self, elsewhere=elsewhere).estimate(self.series).change
-        left_m = self.series.residual_m - change @ self.series.slopes_m
-        squares = float(left_m @ np.linalg.solve(covariance, left_m)) + elsewhere.squares_after(change)
+        result = replace(self, elsewhere=elsewhere).estimate(self.series)
+        squares = result.squares + elsewhere.squares_after(result.change)
         return float(np.linalg.slogdet(covariance)[1]) + squares
 
     def path(self, series: RangeSeries, time_s: Array) -> Array:
@@ -232,10 +231,11 @@ def _weighed(evidence: Evidence, ranges: RangeRows, seen: _Seen, beside: Callabl
     weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
     for effect in sorted(weak, key=lambda effect: weak[effect]):
         fewer = beside(without(evidence, seen.fit, effect))
-        # The standard errors of an effect that is not linear may be far too large.
-        elsewhere = (_elsewhere(evidence, each.fit, ranges, seen.fit) for each in (fewer, seen))
-        less, more = (each.joint_cost(other) for each, other in zip((fewer, seen), elsewhere, strict=True))
-        if less - more < needed(effect):
+        # The standard errors of an effect that is not linear may be far too large, so that the costs decide. Both count
+        # the samples of other quantities that are no outliers with the effect.
+        cost_without = fewer.joint_cost(_elsewhere(evidence, fewer.fit, ranges, seen.fit))
+        cost_with = seen.joint_cost(_elsewhere(evidence, seen.fit, ranges, seen.fit))
+        if cost_without - cost_with < needed(effect):
             return _weighed(evidence, ranges, fewer, beside)
     return seen
 
@@ -293,7 +293,9 @@ def _gains_of_others(seen: _Seen, ranges: RangeRows, time_s: Array, rows: Mask) 
 
     One of them drifts in proportion to the distance, as a scale does. The others are any functions of a covariate other
     than time, of each sensor or of all of them: along it, they have the same likelihood as a random drift has along
-    time.
+    time. Their white noise may have any size, as that to which each is compared has, while that beside the drift is at
+    most twice the stated one. So a rival is never less likely than with the same limit: what a large noise explains as
+    well is not named a drift.
     """
     for covariate in ranges.covariates:
         known = rows & np.isfinite(covariate.values)

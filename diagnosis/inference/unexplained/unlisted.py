@@ -18,8 +18,9 @@ from scipy.optimize import minimize
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.memoized import memoized
-from diagnosis.inference.fitting.fit import HypothesisFit, with_own_level
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
+from diagnosis.inference.fitting.noise_effects import with_own_level
 from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without

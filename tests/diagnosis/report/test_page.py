@@ -15,6 +15,7 @@ from diagnosis.extended_robot import FILE
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.profile import Interval
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
 from diagnosis.report.page import _parameter_rows, page
 from diagnosis.report.plots.gain import round_ticks
@@ -145,6 +146,12 @@ def test_effects_that_are_not_distinguished_lead_to_the_design_of_the_next_trial
     for text in (text_of(page(no_case, images)), " ".join(" ".join(summary(no_case)).split())):
         assert "symolo next DIR" not in text
         assert "from a log of your own, make a case with `symolo case init LOG`" in text
+    case, step = data.diagnosis.measurement, replace(data.diagnosis.measurement, kind=CaseKind.MOTOR_STEP)
+    several = replace(undecided.diagnosis, measurement=replace(case, cases=(case, step)))
+    several = replace(undecided, diagnosis=several)
+    for text in (text_of(page(several, images)), " ".join(" ".join(summary(several)).split())):
+        assert "symolo next DIR" not in text
+        assert "which are cases of several kinds: diagnose those of one kind alone" in text
     assert "symolo next" not in files_of("weak")[PAGE].decode() + files_of("weak")[SUMMARY].decode()
 
 

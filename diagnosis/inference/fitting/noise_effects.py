@@ -1,0 +1,72 @@
+"""Effects of the noise beside its level, which is a nuisance of every fit.
+
+An effect that changes the noise of all samples in nearly the same proportion imitates the level. If fit and level were
+improved in turn, each would follow the other along a valley of the cost in tiny steps, and the fit would end far from
+its lowest point. So the noise is fitted again at every point that is compared.
+"""
+
+import numpy as np
+
+from configs.effects.base import Slot
+from diagnosis.inference.evidence.evidence import Evidence, Prediction
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.fitting.likelihood import LEVEL_SD, NoiseFit, cost, fitted_noise, residuals, stated_noise
+from diagnosis.measured.channel import Mask
+from symolo.core.arrays import Array
+
+EVEN = 0.7
+"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole."""
+
+
+def has_noise_effect(hypothesis: Hypothesis) -> bool:
+    return any(effect.kind.slot is Slot.RANGE_NOISE for effect in hypothesis.effects)
+
+
+def costs_with_fitted_noise(
+    evidence: Evidence, prediction: Prediction, prior: Array, start: NoiseFit, has_own_level: Mask
+) -> Array:
+    """Return the costs (M,) over the rows of the fit, each with the noise that is fitted to its prediction.
+
+    Args:
+        evidence: The observations.
+        prediction: Of M robots.
+        prior: (M, Q), deviations of the nuisances in standard deviations.
+        start: Noise at which the search begins.
+        has_own_level: (Q,), quantities whose level stays 1, because an effect has its place.
+    """
+    z = residuals(evidence, prediction, stated_noise(evidence))
+    lost = np.isinf(z)
+    z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd)
+    costs = np.empty(len(z))
+    for k in range(len(z)):
+        noise = fitted_noise(evidence, z[k], sd[k], start, has_own_level)
+        costs[k] = cost(evidence, prediction.some(slice(k, k + 1)), prior[k : k + 1], evidence.fit, noise)[0]
+    return costs
+
+
+def information_of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array, is_good: Array) -> Array:
+    """Return the information (P, P) about effects of the noise that is lost since the levels are not known.
+
+    It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
+    """
+    lost = np.zeros((len(spreads), len(spreads)))
+    has_own_level = with_own_level(evidence, hypothesis, spreads)
+    quantity = evidence.quantity[evidence.fit]
+    for k in np.flatnonzero(~has_own_level).tolist():
+        of_quantity = np.where(quantity == k, is_good, 0.0)
+        shared = 2.0 * spreads[:, evidence.fit] @ of_quantity
+        lost += np.outer(shared, shared) / (2.0 * of_quantity.sum() + LEVEL_SD**-2)
+    return lost
+
+
+def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
+    """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
+    has_own_level = np.zeros(len(evidence.observed), dtype=bool)
+    for effect in hypothesis.effects:
+        if effect.kind.slot is not Slot.RANGE_NOISE:
+            continue
+        change = np.abs(spreads[hypothesis.parameters(effect)]).sum(axis=0)
+        for k, place in enumerate(evidence.places):
+            inside = change[place][evidence.fit[place]]
+            has_own_level[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
+    return has_own_level

@@ -1,0 +1,101 @@
+"""Noise that grows with the light beside a level of the noise, against a direct search for the lowest cost."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.fitting.likelihood import LEVEL_SD, LEVELS, MEAN_SHARE, SHARES, WIDTH
+from diagnosis.inference.fitting.standard_errors import standard_errors
+from diagnosis.predictors.base import Observed, Predicted
+from sensors.effects.range_sensor.ambient_noise import AmbientNoise
+
+SD_M, COEFFICIENT = 0.002, 30.0
+KLUX = np.geomspace(0.04, 5.3, 240)
+
+
+def sd_m(coefficient):
+    return SD_M * np.sqrt(1.0 + coefficient * KLUX)
+
+
+@dataclass
+class Lit:
+    """A sensor without any error of the mean, under different light."""
+
+    observed: tuple[Observed, ...]
+    name: str = "ranges"
+    at_once: int = 48
+
+    def predict(self, robots):
+        effects = [robot.effects.get(AmbientNoise) for robot in robots]
+        sd = np.array([sd_m(effect.coefficient_per_klux if effect else 0.0) for effect in effects])
+        return (Predicted(np.zeros_like(sd), sd),)
+
+
+def readings_m(seed):
+    return sd_m(COEFFICIENT) * np.random.default_rng(seed).standard_normal(len(KLUX))
+
+
+def evidence_of(values):
+    everywhere = np.ones(len(values), dtype=bool)
+    observed = Observed(
+        name="reading_m",
+        channel="reading_m",
+        unit="m",
+        values=values,
+        sd=np.full(len(values), SD_M),
+        correlation=0.0,
+        trial=np.zeros(len(values), dtype=int),
+        t_s=np.arange(len(values), dtype=float),
+        holdout=~everywhere,
+        usable=everywhere,
+    )
+    return Evidence((Lit((observed,)),))
+
+
+def cost(values, coefficient, level, share):
+    """The cost in the words of `likelihood.py`: normal noise or a Cauchy density, and the priors of both numbers."""
+    sd = level * sd_m(coefficient)
+    good = (1.0 - share) * SD_M / sd * np.exp(-0.5 * (values / sd) ** 2)
+    outlier = share * np.sqrt(2.0 / np.pi) / WIDTH / (1.0 + (values / SD_M / WIDTH) ** 2)
+    return -2.0 * np.log(good + outlier).sum() + (np.log(level) / LEVEL_SD) ** 2 + 2.0 * share / MEAN_SHARE
+
+
+def lowest(values):
+    """Cost of the best of all coefficients, levels and shares."""
+    within = [(np.log(0.1), np.log(100.0)), tuple(np.log(LEVELS)), SHARES]
+    found = [
+        minimize(lambda p: cost(values, np.exp(p[0]), np.exp(p[1]), p[2]), (np.log(start), 0.0, 0.02), bounds=within)
+        for start in (5.0, 20.0, 60.0)
+    ]
+    return min(each.fun for each in found)
+
+
+@pytest.fixture(scope="module")
+def fitted(robot, effect):
+    lit = effect("ambient_noise")
+    hypothesis = Hypothesis(robot, (), (lit,))
+
+    def of(values):
+        evidence = evidence_of(values)
+        (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+        return hypothesis.values(lit, fit.x)["coefficient_per_klux"], fit, standard_errors(evidence, fit, lit)
+
+    return of
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_fit_ends_at_the_lowest_cost_of_effect_and_level_together(fitted, seed):
+    values = readings_m(seed)
+    _, fit, _ = fitted(values)
+    assert fit.cost <= lowest(values) + 0.1
+
+
+def test_the_true_coefficient_is_within_three_standard_errors(fitted):
+    for seed in range(12):
+        coefficient, _, std = fitted(readings_m(seed))
+        assert abs(coefficient - COEFFICIENT) < 3.0 * std["coefficient_per_klux"]
