@@ -19,7 +19,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
-from symolo.dataset.folder_kind import KIND, check_is_whole
+from symolo.dataset.folder_kind import KIND, check_dataset, check_is_whole
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
@@ -62,8 +62,7 @@ def repair(
     if (root / DECLARATION).is_file():
         raise InputError("is a bag", where=str(root), cure=f"repair the dataset in it: `symolo repair {root}/data`")
     check_is_whole(root, "symolo repair")
-    if not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST, METADATA)):
-        raise InputError("is not a dataset", where=str(root), cure=f"name the folder that holds {MANIFEST}")
+    check_dataset(root)
     workspace = Workspace(root.absolute())
     stages = workspace.out / STAGES
     with workspace.locked():

@@ -243,8 +243,11 @@ def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> Stag
         return StageStatus(stage, f"failed: {why}", has_failed=True)
     if not files.is_dir():
         return StageStatus(stage, "not begun", "it was never begun")
-    there = _frames(files)
-    return StageStatus(stage, f"{there} of {_images(total)}", "it was interrupted or failed")
+    there = str(_frames(files))
+    pending = (
+        "all its images are there, and still have to be checked" if there == total else "some of its images are missing"
+    )
+    return StageStatus(stage, f"{there} of {_images(total)}", pending)
 
 
 def _images(count: str) -> str:

@@ -5,13 +5,14 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from symolo.core.errors import InputError
+from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import STAGES
-from symolo.dataset.manifest import MANIFEST
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 
 KIND = "kind"
 """File in `.stages` that names the kind of the folder."""
@@ -85,6 +86,17 @@ def check_outside(out: Path, where: str = "") -> None:
             continue
         problem = f"lies within the {what} {folder}"
         raise InputError(problem, where=where or f"--out {out}", cure="name a place outside of it")
+
+
+def check_dataset(root: Path) -> None:
+    """Refuse a path that is no dataset, not even a damaged one.
+
+    Raises:
+        InputError: There is nothing at the path, a file, or a folder without metadata and lists of checksums.
+    """
+    check_folder(root, NAME_DATASET)
+    if not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST, METADATA)):
+        raise InputError("is not a dataset", where=str(root), cure=NAME_DATASET)
 
 
 def check_is_whole(root: Path, command: str) -> None:

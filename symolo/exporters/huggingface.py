@@ -21,6 +21,7 @@ from symolo.dataset.documents.description import markdown_table
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, run_of
 from symolo.exporters.shared.features import Feature, column, image_file, parquet_bytes, stacked_bytes, value, vector
 from symolo.exporters.shared.hub_card import hub_card
+from symolo.exporters.shared.labels import label_files, labels_part
 from symolo.exporters.shared.splits import images_of_splits, runs_of_splits
 from symolo.reader.balance import balance
 from symolo.reader.dataset import RUN, Dataset
@@ -49,6 +50,7 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
             what = "has different side tables, cameras or annotations than the first run"
             raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
     yield ExportedFile("README.md", cache(lambda: _card(data)))
+    yield from label_files(data)
     for split, of_split in images_of_splits(data):
         yield from _shards(f"images/{split or _UNDIVIDED}", of_split, first.annotation_kinds, settings)
     for split, part in _row_splits(data):
@@ -146,10 +148,11 @@ def _card(data: Dataset) -> bytes:
     units, sensors, cameras = _wide(data.runs[0]).attrs[UNITS], _sensors(data.runs[0]), tuple(data.runs[0].cameras)
     text = [
         "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D;",
-        "a row of `rows` is a control period. Depth is in 0.1 mm; `normals` and `flow` are PNG files of 16 bits.",
+        "a row of `rows` is a control period.",
         *(f"A row of `{name}` is a sample of this sensor, at time `t` in ms." for name in sensors),
         *(f"A row of `{name}` is an image of this further camera, with the columns of `images`." for name in cameras),
         *_balance(data),
+        *labels_part(data, "images"),
         "",
         "| column | unit |",
         "|---|---|",

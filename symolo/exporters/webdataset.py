@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, check_images
+from symolo.exporters.shared.labels import label_files
 from symolo.exporters.shared.record import record_of
 from symolo.exporters.shared.splits import ImagesOfSplits, further_cameras_of_splits, images_of_splits
 from symolo.reader.dataset import Dataset
@@ -18,6 +19,7 @@ from symolo.reader.run_folder import Image
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     """Yield the shards, with samples sorted by name; only a shard with a single sample may be larger than the limit."""
     check_images(data, "webdataset")
+    yield from label_files(data)
     yield from _shards("", images_of_splits(data), settings)
     for camera in further_cameras_of_splits(data):
         yield from _shards(f"{camera.folder}/", camera.splits, settings)

@@ -75,15 +75,20 @@ class Balance:
     def warnings(self) -> tuple[str, ...]:
         """What makes results of the splits hard to compare, one sentence each without its full stop."""
         texts = [NEIGHBOURS_WARNING] if self.by == "image" else []
-        texts += [f"{split.name} has no images" for split in self.splits if not split.images]
+        texts += [f"the {_splits([split.name])} has no images" for split in self.splits if not split.images]
         for name in self.classes:
             without = [split.name for split in self.splits if split.images and not split.images_by_class[name]]
-            texts += [f"no image of {' and '.join(without)} shows the class {name}"] if without else []
+            texts += [f'no image of the {_splits(without)} shows the annotated class "{name}"'] if without else []
         if self.knows_line:
             whole = [split.name for split in self.splits if split.images == split.images_by_class[_LINE] > 0]
             if 0 < len(whole) < len(self.splits):
-                texts.append(f"every image of {' and '.join(whole)} shows the line")
+                texts.append(f"every image of the {_splits(whole)} shows the line")
         return tuple(text[0].upper() + text[1:] for text in texts)
+
+
+def _splits(names: Sequence[str]) -> str:
+    """Return the word "split" with the names, which may be words of a sentence too, in quotation marks."""
+    return ("split " if len(names) == 1 else "splits ") + " and ".join(f'"{name}"' for name in names)
 
 
 def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None) -> Balance | None:

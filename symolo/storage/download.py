@@ -43,6 +43,11 @@ class Remote:
     seals: Mapping[str, bytes]
     """Content by path of the signatures and the statement of provenance, where there are any."""
 
+    @property
+    def file_count(self) -> int:
+        """Number of files, including the lists of checksums and the signatures."""
+        return len(self.digests) + len(LISTS) + len(self.seals)
+
     @classmethod
     def of(cls, store: Store) -> "Remote":
         """Return the stored release, as its lists of checksums describe it.
@@ -132,7 +137,7 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
             stage.update("all", number)
     for name, data in remote.seals.items():
         write_file(partial / name, data)
-    return len(wanted)
+    return len(wanted) + len(remote.seals)
 
 
 def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:

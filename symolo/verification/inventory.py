@@ -15,7 +15,7 @@ from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.paths import folders_of
 from symolo.core.files.plain_files import FileKind, UnsafeFileError, check_tree, read_file
 from symolo.dataset.bag import BAG_INFO
-from symolo.dataset.folder_kind import Done
+from symolo.dataset.folder_kind import Done, check_dataset
 from symolo.dataset.layout import DONE, STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
@@ -107,8 +107,9 @@ class Inventory:
         """Return the inventory of an undamaged release.
 
         Raises:
-            InputError: The release is damaged; the message names the first such file.
+            InputError: It is no dataset, or a damaged one; the message names the first such file.
         """
+        check_dataset(root)
         inventory = cls.of(root)
         if fault := next(inventory.findings(), None):
             cure = f"see `symolo verify {root}` and `symolo repair {root}`"

@@ -244,11 +244,9 @@ def download(
 
     check_new(out)
     remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))
-    size = remote.size_bytes / _MEGABYTE
+    content = f"{plural(remote.file_count, 'file')}, {remote.size_bytes / _MEGABYTE:.1f} MB"
     if dry_run:
-        typer.echo(f"{remote.store.url}: {plural(len(remote.digests), 'file')} and their lists, {size:.1f} MB")
+        typer.echo(f"{remote.store.url}: {content}")
         return
     fetched = downloaded(remote, out, report_here())
-    typer.echo(
-        f"{out}: {plural(len(remote.digests), 'file')} and their lists, {size:.1f} MB; {fetched} of them fetched now"
-    )
+    typer.echo(f"{out}: {content}; {fetched} of them fetched now")

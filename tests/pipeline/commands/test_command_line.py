@@ -77,6 +77,9 @@ BAD = {
     "render before simulate": (["render", "smoke", "--out", "OUT"], "symolo simulate"),
     "assemble before render": (["assemble", "smoke", "--out", "OUT"], "symolo simulate"),
     "verify what is not there": (["verify", "OUT"], "no such folder"),
+    "repair what is not there": (["repair", "OUT"], "no such folder"),
+    "upload what is not there": (["upload", "OUT", "file:///nowhere"], "OUT: no such folder"),
+    "bag what is not there": (["bag", "OUT", "--out", "OUT/bag"], "OUT: no such folder"),
     "verify a file": (["verify", "HERE/data.csv"], "is a file, not a folder"),
     "a misspelt command of a group": (["case", "ini"], "Did you mean 'init'; see symolo case --help"),
     "robot of a file that is not there": (

@@ -57,7 +57,15 @@ def test_an_interrupted_rendering_is_counted(out, symolo):
         (out / f".stages/render/CW/test_1/images/{number:06d}.jpg").unlink()
     printed = symolo("status", out).out
     assert "CW/test_1: simulate done; render 4 of 6 images; " in printed
-    assert "would be done by the next release, 1 run (CW/test_1): render: it was interrupted or failed" in printed
+    assert "would be done by the next release, 1 run (CW/test_1): render: some of its images are missing" in printed
+
+
+def test_images_of_parts_that_are_all_there_only_have_to_be_checked(out, symolo):
+    """`render --part K/N` leaves the stage open, since none of the parts knows when the others end."""
+    (out / ".stages/render/CW/test_1/done.json").unlink()
+    printed = symolo("status", out).out
+    assert "CW/test_1: simulate done; render 6 of 6 images; " in printed
+    assert "1 run (CW/test_1): render: all its images are there, and still have to be checked\n" in printed
 
 
 def test_changed_fields_are_named_with_their_values(out, symolo, tiny):

@@ -1,5 +1,6 @@
 """Content of each split, counted again from the label images that were put into a release."""
 
+import html
 import json
 import re
 
@@ -81,7 +82,10 @@ def test_a_class_that_a_split_lacks_is_a_warning(divided):
         one |= {"bbox": [0, 0, 0, 0], "area": 0}
     path.write_text(json.dumps(document))
     statistics = balance(library.load(root))
-    assert statistics.warnings == ("No image of test shows the class wall", "No image of test shows the class obstacle")
+    assert statistics.warnings == (
+        'No image of the split "test" shows the annotated class "wall"',
+        'No image of the split "test" shows the annotated class "obstacle"',
+    )
     assert not statistics.knows_line
     assert dict(statistics.rows)["images with wall"][1] == "0"
 
@@ -97,7 +101,7 @@ def test_the_report_and_the_card_of_hugging_face_show_the_splits(divided, random
     assert symolo("report", root, "--detail", 1, "--out", page).code == 0
     assert symolo("export", root, "--format", "huggingface", "--out", out).code == 0
     counts = [len(truth.pictures) for truth in random_release(2, kinds=("instance",)).runs]
-    (section,) = re.findall(r'<h2 id="splits">(.*?)<h2', page.read_text(), re.DOTALL)
+    (section,) = re.findall(r'<h2 id="splits">(.*?)<h2', html.unescape(page.read_text()), re.DOTALL)
     assert f'<th>images</th><td class="n">{counts[0]}</td><td class="n">{counts[1]}</td>' in section
     assert f"| images | {counts[0]} | {counts[1]} |\n" in (out / "huggingface/README.md").read_text()
     for warning in balance(library.load(root)).warnings:

@@ -155,7 +155,7 @@ def read_shard(path: Path) -> list[dict]:
 
 
 def check_webdataset(out, truths):
-    shards = sorted((out / "webdataset").iterdir())
+    shards = sorted((out / "webdataset").glob("*.tar"))
     assert [path.name for path in shards] == [f"symolo-{number:06d}.tar" for number in range(len(shards))]
     assert max(path.stat().st_size for path in shards) <= 40_000
     samples = [sample for path in shards for sample in read_shard(path)]
@@ -247,7 +247,7 @@ def test_quaternions_go_on_from_those_before(random_release, exported, tmp_path)
 
 def test_shards_contain_nothing_of_the_machine(random_release, exported, tmp_path):
     out = exported(random_release(1, annotated=True).root, tmp_path / "out", "webdataset")
-    shards = sorted((out / "webdataset").iterdir())
+    shards = sorted((out / "webdataset").glob("*.tar"))
     assert len(shards) > 1
     for path in shards:
         with tarfile.open(path) as shard:
@@ -260,7 +260,7 @@ def test_shards_contain_nothing_of_the_machine(random_release, exported, tmp_pat
 def test_a_sample_larger_than_a_shard_gets_one_of_its_own(random_release):
     data = open_release(random_release(1, annotated=True).root, None)
     (planned,) = plan(data, exporters_of(["webdataset"], ""), ExportSettings(1))
-    assert len(planned.files) == len(data.images)
+    assert [file.name.endswith(".tar") for file in planned.files].count(True) == len(data.images)
 
 
 def test_a_plan_knows_the_size_of_every_file(random_release):

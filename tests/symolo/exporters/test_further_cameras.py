@@ -164,6 +164,9 @@ def test_webdataset_has_shards_of_each_camera_with_keys_of_their_own(release, ou
             assert ("instance.png" in sample) == (name != "rear")
         keys += [sample["__key__"] for sample in samples]
     assert len({*keys}) == len(keys)
+    labels = json.loads((out / "webdataset/labels.json").read_text())["runs"][RUN]
+    assert {"", *labels["encodings_of_cameras"]} == {"", "left", "right"}
+    assert labels["encodings_of_cameras"]["left"].keys() == labels["encodings"].keys() == {"instance"}
 
 
 def test_with_splits_of_images_those_of_one_instant_are_in_one_split(release, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.progress import LineReport
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.dataset.manifest import MANIFEST, SIGNATURE, TAG_MANIFEST, manifest, tag_manifest
 from symolo.storage.comparison import released_files
 from symolo.storage.download import Remote, download
 from symolo.storage.folder import Folder
@@ -32,13 +32,20 @@ def test_what_was_uploaded_comes_back(filled, release_of, tmp_path):
 def test_by_the_command_line(release, release_of, tmp_path, symolo):
     url, out = f"file://{tmp_path}/shelf", tmp_path / "out"
     assert symolo("upload", release(), url).code == 0
-    assert symolo("download", url, "--out", out, "--dry-run").out == f"{url}: 8 files and their lists, 0.0 MB\n"
+    assert symolo("download", url, "--out", out, "--dry-run").out == f"{url}: 10 files, 0.0 MB\n"
     assert not out.exists()
-    printed = f"{out}: 8 files and their lists, 0.0 MB; 10 of them fetched now\n"
+    printed = f"{out}: 10 files, 0.0 MB; 10 of them fetched now\n"
     assert symolo("download", url, "--out", out).out == printed
     assert release_of(out) == release_of(tmp_path / "data")
     again = symolo("download", url, "--out", out)
     assert (again.code, "is there already" in again.err) == (2, True)
+
+
+def test_signatures_are_counted_among_the_files(release, tmp_path, symolo):
+    url, root = f"file://{tmp_path}/shelf", release()
+    (root / SIGNATURE).write_bytes(b"untrusted comment: signature\n")
+    assert ": 11 files sent" in symolo("upload", root, url).out
+    assert ": 11 files, 0.0 MB; 11 of them fetched now\n" in symolo("download", url, "--out", tmp_path / "out").out
 
 
 class Failing:

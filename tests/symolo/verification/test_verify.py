@@ -334,8 +334,16 @@ def test_a_file_under_another_name_is_reported_with_both(dataset, copy_of):
     assert [str(finding) for finding in verify(root)] == [
         f"CW/moved.csv: is not named in manifest-sha256.txt; it is what {CSV} should be",
         f"{CSV}: is missing; manifest-sha256.txt names it; its content is now named CW/moved.csv",
-        f"{CSV}: cannot be read: No such file or directory",
     ]
+
+
+def test_a_missing_file_is_one_fault_with_a_list_of_checksums_or_without(dataset, copy_of):
+    root = copy_of(dataset)
+    (root / CSV).unlink()
+    assert [str(finding) for finding in verify(root)] == [f"{CSV}: is missing; manifest-sha256.txt names it"]
+    (root / "manifest-sha256.txt").unlink()
+    (root / "tagmanifest-sha256.txt").unlink()
+    assert f"{CSV}: cannot be read: No such file or directory" in [str(finding) for finding in verify(root)]
 
 
 def test_a_manifest_under_another_name_is_reported_with_both(dataset, copy_of):
