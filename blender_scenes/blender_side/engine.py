@@ -65,6 +65,7 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
         "shading_system": False,
         "samples": sampling.samples,
         "use_adaptive_sampling": False,
+        "use_sample_subset": False,
         "time_limit": 0.0,
         "sampling_pattern": "TABULATED_SOBOL",
         "scrambling_distance": 1.0,
@@ -169,6 +170,23 @@ def traced_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: 
     """Return the linear light (H, W, 3) of a view; errors are those of `rendered`."""
     channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
     return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
+
+
+def reference_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int) -> np.ndarray:
+    """Return the linear light (H, W, 3) of a view without a denoiser, for comparison with images of other seeds.
+
+    Cycles has one sequence of samples for each seed, whose first sample lies in the middle of the pixel for every seed.
+    A reference that had this sample would share with the images what it gets wrong at edges. So a reference has the
+    samples from the next power of two on. They are spread evenly over a pixel, as blocks of a Sobol sequence are that
+    begin at a multiple of their length.
+    """
+    cycles = bpy.context.scene.cycles
+    first = 1 << (samples - 1).bit_length()
+    cycles.use_sample_subset, cycles.sample_offset, cycles.sample_subset_length = True, first, samples
+    try:
+        return traced_light(view, size, seed=seed, samples=first + samples, denoise=False)
+    finally:
+        cycles.use_sample_subset = False
 
 
 def traced(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from blender_scenes.blender_side.engine import FrameTracer, noise_seed, traced_light
+from blender_scenes.blender_side.engine import FrameTracer, noise_seed, reference_light
 from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.probe import (
@@ -98,6 +98,6 @@ class Probe:
     def _reference(self, view: FrameView, number: int, samples: int) -> FloatImage:
         words = ("reference", number) if self._samples == 0 else ("reference", number, self._samples)
         seed = noise_seed(self._job.sampling.seed, "probe", " ".join(map(str, words)), view.number)
-        light = traced_light(view, self.tracer.size, seed=seed, samples=samples, denoise=False)
+        light = reference_light(view, self.tracer.size, seed=seed, samples=samples)
         self._on_step()
         return light * np.array(view.light_gain, np.float32)

@@ -165,7 +165,7 @@ def _references(request: ProcessArguments) -> RenderFrames:
     views = {view.number: view for view in request.job.frames}
 
     def light(view: FrameView, seed: int) -> np.ndarray:
-        traced = engine.traced_light(view, size, seed=seed, samples=samples, denoise=False)
+        traced = engine.reference_light(view, size, seed=seed, samples=samples)
         return traced * np.array(view.light_gain, np.float32)
 
     def render(numbers: Sequence[int], _warm_up: bool) -> dict[int, np.ndarray]:  # noqa: FBT001 - a RenderFrames

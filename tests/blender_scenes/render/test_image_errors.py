@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -71,6 +72,47 @@ def test_the_standard_error_counts_rare_bright_pixels_wherever_they_may_be():
     assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.1)
     assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.4)
     assert np.median([each.rendering for each in estimates]) < 0
+
+
+@pytest.mark.parametrize("blur_px", [0.0, 0.8, 1.5])
+def test_the_standard_error_counts_that_a_lens_spreads_noise_over_neighbours(blur_px):
+    """White noise of variance s2 behind a Gaussian with the autocorrelation g has the covariance s2 g(x) g(y) at a
+    distance (x, y). Products of two such noises have its square, so the variance of the mean over N pixels and six
+    pairs is s2^2 (sum of g^2)^2 / (6 N)."""
+    lens = replace(RESPONSE, lens_blur_px=blur_px, veiling_glare=0.0, sharpening=0.0)
+
+    def estimate() -> ImageError:
+        noise = RANDOM.normal(0, NOISE_SD, (4, *TRUTH.shape[:2], 1)).astype(np.float32)
+        return image_error(TRUTH, list(TRUTH + noise), lens, METERED, 1)
+
+    estimates = [estimate() for _ in range(100)]
+    radius = 8
+    kernel = cv2.getGaussianKernel(2 * radius + 1, blur_px)[:, 0] if blur_px else np.eye(1)[0]
+    spread = np.sum(np.correlate(kernel, kernel, "full") ** 2)
+    step = _grey(METERED * 1.001) - _grey(METERED)
+    expected = (1000 * NOISE_SD / METERED * step) ** 2 * spread / (6 * TRUTH[..., 0].size) ** 0.5
+    # OpenCV mirrors the image at its borders, where the noise is larger therefore.
+    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.08)
+    # A standard deviation of 100 values is uncertain by 7 %.
+    assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.2)
+
+
+def test_the_standard_error_counts_the_noise_on_an_error_that_the_image_has():
+    """The mean product of differences e + n from four references with noise n of variance s2 has, beside the noise of
+    the products, the part e * (mean of n) * 2, whose variance is 4 e^2 s2 / (4 N)."""
+    pinhole = replace(RESPONSE, lens_blur_px=0.0, veiling_glare=0.0, sharpening=0.0)
+    light = TRUTH * np.float32(1.2)
+
+    def estimate() -> ImageError:
+        noise = RANDOM.normal(0, NOISE_SD, (4, *TRUTH.shape[:2], 1)).astype(np.float32)
+        return image_error(light, list(TRUTH + noise), pinhole, METERED, 1)
+
+    estimates = [estimate() for _ in range(100)]
+    slope = (_grey(METERED * 1.201) - _grey(METERED * 1.199)) / (0.002 * METERED)
+    error, noise_sd = 0.2 * METERED * slope, NOISE_SD * slope
+    expected = ((noise_sd**4 / 6 + error**2 * noise_sd**2) / TRUTH[..., 0].size) ** 0.5
+    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.05)
+    assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.2)
 
 
 def test_a_difference_from_one_reference_would_show_the_noise_instead():
