@@ -102,15 +102,16 @@ def _frame(spec: RunSpec, number: int, index: int) -> FramePose:
     return FramePose(number, t_s, x_m, y_m, yaw_rad)
 
 
-def _words(look: LookConfig) -> tuple[str, str]:
-    """Return a line about the floor and a line about the light of a look."""
-    lights = []
+def _words(look: LookConfig) -> tuple[str, str, str]:
+    """Return a line about the floor of a look, one about its daylight and one about its lamps."""
+    daylight, lamps = [], []
     if look.sun.illuminance_klx > 0:
-        lights.append(f"sun {look.sun.illuminance_klx:.1f} klx at {look.sun.elevation_deg:.0f} deg")
+        daylight.append(f"sun {look.sun.illuminance_klx:.1f} klx at {look.sun.elevation_deg:.0f} deg")
     if look.lamps.flux_klm > 0 and look.lamps.rows > 0:
-        lights.append(f"lamps {look.lamps.color_temperature_K:.0f} K")
+        lamps.append(f"ceiling lamps {look.lamps.color_temperature_K:.0f} K")
     if look.desk_lamps.count > 0 and look.desk_lamps.flux_klm > 0:
-        lights.append(f"desk {look.desk_lamps.color_temperature_K:.0f} K")
+        lamps.append(f"desk lamps {look.desk_lamps.color_temperature_K:.0f} K")
     if look.sky.luminance_kcd_m2 > 0:
-        lights.append(f"sky {look.sky.luminance_kcd_m2:.2g} kcd/m2")
-    return f"{look.floor.material}, dirt {look.floor.dirt:.2f}, {look.line}", ", ".join(lights)
+        daylight.append(f"sky {look.sky.luminance_kcd_m2:.2g} kcd/m2")
+    floor = f"{look.floor.material}, dirt {100 * look.floor.dirt:.0f} %, {look.line}"
+    return floor, ", ".join(daylight) or "no daylight", ", ".join(lamps) or "no lamps"

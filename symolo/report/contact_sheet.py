@@ -50,7 +50,7 @@ def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
         return [
             Cell(
                 np.ascontiguousarray(image.pixels()[..., ::-1]),
-                (_label(run, str(image.number), image.row),),
+                (_label(run, f"image {image.number}, {run.t_s[image.row]:.1f} s", image.row),),
             )
             for image in images
         ]
@@ -66,4 +66,4 @@ def _cells(run: Run, rows: Sequence[int], width_px: int) -> list[Cell]:
 
 def _label(run: Run, moment: str, at: int) -> str:
     """Return the text of a cell: run, moment, and the state if it is known."""
-    return f"{run.name} {moment} state {run.table.state[at]}" if run.table.has_state else f"{run.name} {moment}"
+    return f"{run.name}, {moment}" + (f", state {run.table.state[at]}" if run.table.has_state else "")

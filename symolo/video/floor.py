@@ -8,8 +8,10 @@ from symolo.pages.states import STATE_STYLES, stretches
 from symolo.playback.playback import Playback
 from symolo.video.canvas import Canvas, Colour, rgb
 from symolo.video.rows import row_at
+from symolo.video.time_plots import ticks_around
 
 _TAPE, _WALL, _OBSTACLE, _EDGE = (190, 190, 190), (150, 150, 150), (236, 236, 236), (70, 74, 80)
+_PAPER = (255, 255, 255)
 _PALE = 0.75
 """Share of white in the colour of the path that is still to come."""
 _MARGIN_M = 0.12
@@ -61,7 +63,22 @@ class FloorView:
                 (pose,) = box.poses_at(np.zeros(1))
                 self._box(canvas, pose, box.size[:2], _WALL if box.kind == "wall" else _OBSTACLE)
         self._path(canvas, 0, len(self._run.state) - 1, pale=_PALE)
+        self._scale_bar(canvas)
         return canvas
+
+    def _scale_bar(self, canvas: Canvas) -> None:
+        """Draw a bar of a round length, about an eighth of the height, in the lower left corner."""
+        height_px = canvas.pixels.shape[0]
+        text_px = 0.03 * height_px
+        length_m = ticks_around(np.array([0.0, 0.25 * height_px / self._scale]), from_zero=True)[1]
+        left, bottom = 0.5 * text_px, height_px - 0.5 * text_px
+        wide = max(length_m * self._scale, 3.2 * text_px) + text_px
+        top = bottom - 1.8 * text_px
+        plate = np.array([[0.0, top], [wide, top], [wide, height_px], [0.0, height_px]])
+        canvas.area(plate, _PAPER)
+        ends = np.array([[left, bottom], [left + length_m * self._scale, bottom]])
+        canvas.line(ends, _EDGE, 0.15 * text_px)
+        canvas.text(f"{length_m:g} m", left, bottom - 0.4 * text_px, text_px, _EDGE)
 
     def _box(self, canvas: Canvas, pose: Array, size: tuple[float, float], colour: Colour) -> None:
         corners = self._place(_on_floor(pose, _CORNERS * size))

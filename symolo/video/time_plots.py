@@ -23,7 +23,7 @@ class TimePlot:
     ) -> None:
         self._plot, self._span_s, self._text_px = plot, span_s, text_px
         self._left, self._top = 3.4 * text_px, 1.5 * text_px
-        self._right, self._bottom = width_px - 2.0, height_px - 0.4 * text_px
+        self._right, self._bottom = width_px - 2.0, height_px - 1.4 * text_px
         self._still = Canvas.blank(width_px, height_px)
         title = f"{plot.title} [{plot.unit}]" if plot.unit else plot.title
         self._title_end = self._still.text(title, 0, text_px, text_px, _FAINT) + text_px
@@ -31,6 +31,7 @@ class TimePlot:
             self._curves(plot)
         else:
             self._stripes(plot)
+        self._times()
 
     def draw(self, canvas: Canvas, t_s: float) -> None:
         """Paint the plot with the values and the mark of a time."""
@@ -51,6 +52,16 @@ class TimePlot:
     def _x(self, t_s: Array) -> Array:
         first, last = self._span_s
         return self._left + (self._right - self._left) * (t_s - first) / max(last - first, 1e-9)
+
+    def _times(self) -> None:
+        """Write round times below the plot, the last one with its unit."""
+        size_px = 0.85 * self._text_px
+        times_s = [t_s for t_s in ticks_around(np.array(self._span_s), from_zero=False) if t_s <= self._span_s[1]]
+        for t_s in times_s:
+            words = f"{t_s:g} s" if t_s == times_s[-1] else f"{t_s:g}"
+            width = text_width(words, size_px)
+            x = min(float(self._x(np.array(t_s))) - 0.5 * width, self._right - width)
+            self._still.text(words, x, self._bottom + 1.2 * size_px, size_px, _FAINT)
 
     def _curves(self, plot: CurvePlot) -> None:
         ticks = ticks_around(np.concatenate([curve.values for curve in plot.curves]), from_zero=plot.from_zero)

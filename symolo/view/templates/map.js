@@ -58,6 +58,20 @@ class FloorMap {
     for (const scan of run.scans) this.scan(scan, place);
     for (const beam of run.beams) this.beam(beam, pose, place);
     this.robot(pose, place, this.colours.of(run.state[row]));
+    this.scale(scale, height);
+  }
+
+  /** Draw a bar of a round length in the lower left corner; `scale` is in pixels per metre. */
+  scale(scale, height) {
+    const length = niceStep(180 / scale);
+    const [x, y, ink] = [10.5, height - 10.5, this.colours.faint()];
+    const wide = Math.max(length * scale, 34) + 12;
+    fill(this.context, [[4, y - 22], [4 + wide, y - 22], [4 + wide, y + 6], [4, y + 6]], this.colours.paper(), 0.85);
+    outline(this.context, [[x, y], [x + length * scale, y]], ink, 2);
+    this.context.fillStyle = ink;
+    this.context.font = "11px system-ui, sans-serif";
+    this.context.textAlign = "left";
+    this.context.fillText(`${shown(length)} m`, x, y - 6);
   }
 
   /** Draw the path between two rows, each stretch in the colour of its state. */

@@ -53,6 +53,7 @@ class Player {
     this.cameras = this.run.cameras.map((camera) => this.camera(camera));
     this.parts.cameras.replaceChildren(...this.cameras.map(({ figure }) => figure));
     document.body.classList.toggle("blind", this.cameras.length === 0);
+    document.body.classList.toggle("several", this.cameras.length > 1);
     this.parts.plots.replaceChildren();
     const seek = (time) => this.seek(time);
     const isStateless = this.run.state.every((state) => state < 0);

@@ -1,6 +1,7 @@
 /* Plots against time with one mark for the present; a click or a drag sets the time. */
 
 const MARGIN = 42; // CSS pixels for the labels of the vertical axis
+const BELOW = 14; // the same for those of the time
 
 class TimePlot {
   /**
@@ -56,7 +57,7 @@ class TimePlot {
 
   resize() {
     this.width = this.box.clientWidth;
-    this.height = { band: 26, stripes: 56 }[this.plot.kind] || 76;
+    this.height = { band: 26, stripes: 56 }[this.plot.kind] || 76 + BELOW;
     this.context = sharpContext(this.canvas, this.width, this.height);
     ({ band: () => this.band(), stripes: () => this.stripes() }[this.plot.kind] || (() => this.curves()))();
   }
@@ -114,7 +115,8 @@ class TimePlot {
     const step = niceStep((high - low) || Math.abs(high) || 1);
     [low, high] = [Math.floor(low / step) * step, Math.ceil(high / step) * step];
     if (low === high) high = low + step;
-    const y = (value) => this.height - 6 - (this.height - 12) * (value - low) / (high - low);
+    const y = (value) => this.height - BELOW - 6 - (this.height - BELOW - 12) * (value - low) / (high - low);
+    this.timeAxis();
     for (let value = low; value <= high + 0.01 * step; value += step) {
       outline(this.context, [[MARGIN, y(value)], [this.width, y(value)]], this.colours.grid(), 1);
       const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
@@ -134,6 +136,21 @@ class TimePlot {
       this.context.stroke();
     }
     this.context.setLineDash([]);
+  }
+
+  /** Write round times below the curves, the last one with its unit. */
+  timeAxis() {
+    const [first, last] = [this.times[0], this.times[this.times.length - 1]];
+    const step = niceStep((last - first) || 1) / (this.width > 420 ? 2 : 1);
+    const ticks = [];
+    for (let t = Math.ceil(first / step) * step; t <= last + 1e-6; t += step) ticks.push(t);
+    this.context.fillStyle = this.colours.faint();
+    this.context.font = "11px system-ui, sans-serif";
+    ticks.forEach((t, i) => {
+      const isLast = i === ticks.length - 1;
+      this.context.textAlign = isLast ? "right" : "center";
+      this.context.fillText(isLast ? `${shown(t)} s` : shown(t), this.x(t), this.height - 2);
+    });
   }
 
   text(words, y) {

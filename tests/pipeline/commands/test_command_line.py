@@ -169,7 +169,7 @@ BAD = {
     ),
     "preview too high": (
         ["preview", "smoke", "-n", "42", "--columns", "1", "--width-px", "2048", "--out", "OUT.png"],
-        "too high: got '66780 px'",
+        "too high: got '67536 px'",
     ),
     "contact sheet of nothing": (["contact-sheet", "HERE/empty", "--out", "OUT.jpg"], "neither a release nor a run"),
     "view of nothing": (["view", "HERE/empty", "--out", "OUT.html"], "neither a release nor a run"),

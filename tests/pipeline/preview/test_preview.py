@@ -100,7 +100,7 @@ def test_images_are_of_runs_as_a_release_draws_them_whatever_their_number():
     shown = more[3]
     assert f"seed {spec.seed}, {spec.look.name}" in shown.lines[0]
     assert shown.lines[1].startswith(f"{spec.look.floor.material}, ")
-    assert f"lamps {spec.look.lamps.color_temperature_K:.0f} K" in shown.lines[2]
+    assert f"lamps {spec.look.lamps.color_temperature_K:.0f} K" in shown.lines[3]
     job = shown.job()
     assert job.sampling.samples == 1
     assert (job.camera.width_px, job.camera.height_px) == (40, 30)
@@ -151,7 +151,7 @@ def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):
         sheets.append((tmp_path / name).read_bytes())
     assert sheets[0] == sheets[1]
     sheet = cv2.imread(str(tmp_path / "one.png"))
-    assert sheet.shape == (2 * (48 + 3 * 18), 2 * 64, 3)
+    assert sheet.shape == (2 * (48 + 4 * 18), 2 * 64, 3)
     assert sheet[:48, :64].std() > 5
     assert sheet[48:102, :64].max() > 200  # the text
     assert sheet[102:, 64:].max() == 0  # no fourth image
@@ -188,7 +188,7 @@ def test_an_image_that_fails_is_reported_and_the_others_are_shown(tmp_path, symo
     assert ended.code == 3
     assert "failed: image 2 (CCW/test_1, classroom): the picture is black" in ended.err
     assert "2 of 3 images" in ended.out
-    assert cv2.imread(str(tmp_path / "sheet.png")).shape == (48 + 3 * 18, 2 * 64, 3)
+    assert cv2.imread(str(tmp_path / "sheet.png")).shape == (48 + 4 * 18, 2 * 64, 3)
 
 
 @pytest.mark.parametrize(("count", "columns"), [(5, 5), (7, 4), (8, 4), (9, 3), (10, 5), (12, 6), (24, 6)])
