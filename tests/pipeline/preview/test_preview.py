@@ -153,8 +153,8 @@ def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):
     sheet = cv2.imread(str(tmp_path / "one.png"))
     assert sheet.shape == (2 * (48 + 4 * 18), 2 * 64, 3)
     assert sheet[:48, :64].std() > 5
-    assert sheet[48:102, :64].max() > 200  # the text
-    assert sheet[102:, 64:].max() == 0  # no fourth image
+    assert sheet[48:120, :64].max() > 200  # the text
+    assert sheet[120:, 64:].max() == 0  # no fourth image
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.png", "two.png"]
 
 
