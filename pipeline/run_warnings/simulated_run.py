@@ -86,6 +86,7 @@ def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
         yield from _too_slow(spec.robot)
     if line.pieces and spec.board is None and spec.controller is None:
         yield from _starts_beside(spec, line)
+        yield from _no_time_for_a_lap(spec, line)
         yield from _through_walls(spec, line)
 
 
@@ -134,6 +135,20 @@ def _starts_beside(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
     if away_m > BESIDE_M:
         text = f"the run starts {away_m:.2f} m away from the line, which its line sensor does not see there"
         yield _Suspicion("start beside the line", text)
+
+
+def _no_time_for_a_lap(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
+    """Yield a time limit that is too short for the length of the line at the largest speed of the controller."""
+    settings, limit_s = spec.robot.controller, spec.stop.time_limit_s
+    following = (settings.line.k1_m_s, settings.wall.gains.k1_m_s)
+    fastest_m_s = max(*following, settings.avoidance.speed_m_s, settings.lost.speed_m_s)
+    if spec.stop.lap and limit_s * fastest_m_s < line.length_m:
+        text = (
+            f"no lap can be finished within stop.time_limit_s, which is {limit_s:g}, and stop.lap makes the run fail"
+            f" then: the {line.length_m:.2f} m of the line take {line.length_m / fastest_m_s:.0f} s at"
+            f" {fastest_m_s:.2g} m/s, the largest speed of the controller; raise the limit, or set stop.lap=false"
+        )
+        yield _Suspicion("no time for a lap", text)
 
 
 def _through_walls(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:

@@ -2,11 +2,11 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from symolo.core.errors import InputError
+from symolo.core.errors import InputError, together
 from symolo.core.progress import plural
 from symolo.core.random_streams import stream
 from symolo.dataset.documents.origin import Origin
@@ -186,7 +186,7 @@ def _divided(
 
 
 def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, float], where: str) -> InputError:
-    listed = ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")
+    listed = _some(names)
     one = {"look": "the same look", "robot": "the same robot", "seed": "the same seed", "route": "the same route"}
     groups = f"all runs have {one[by]} ({listed})" if len(names) == 1 and by in one else f"{by}: {listed}"
     return InputError(
@@ -203,23 +203,40 @@ def _listed(
 ) -> dict[SplitName, tuple[str, ...]]:
     """Return the runs of each split whose names match its patterns."""
     names = [member.run for member in members]
-    some = ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")
-    for split, ones in patterns.items():
-        for pattern in ones:
-            if not any(fnmatchcase(name, pattern) for name in names):
-                allowed = f"a pattern of names such as {some}"
-                raise InputError(f"splits.runs.{split}: no run matches", where=where, got=pattern, allowed=allowed)
     splits: dict[SplitName, tuple[str, ...]] = {
         split: tuple(name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns[split]))
         for split in SPLIT_NAMES
         if split in patterns
     }
-    counts = Counter(name for runs in splits.values() for name in runs)
-    for name in names:
-        if counts[name] > 1:
-            both = " and ".join(split for split, runs in splits.items() if name in runs)
-            raise InputError(f"splits.runs: {name} is in {both}", where=where, cure="give it to one of them")
-        if counts[name] == 0:
-            cure = "add it to a split; `export` leaves runs out with --runs"
-            raise InputError(f"splits.runs: {name} is in no split", where=where, cure=cure)
+    if faults := [*_unmatched(patterns, names, where), *_not_in_one_split(splits, names, where)]:
+        raise together(faults)
     return splits
+
+
+def _unmatched(patterns: Mapping[SplitName, Sequence[str]], names: Sequence[str], where: str) -> Iterator[InputError]:
+    """Yield a fault for each pattern that no run matches."""
+    for split, ones in patterns.items():
+        for pattern in ones:
+            if not any(fnmatchcase(name, pattern) for name in names):
+                what, allowed = f"splits.runs.{split}: no run matches", f"a pattern of names such as {_some(names)}"
+                yield InputError(what, where=where, got=pattern, allowed=allowed)
+
+
+def _not_in_one_split(
+    splits: Mapping[SplitName, Sequence[str]], names: Sequence[str], where: str
+) -> Iterator[InputError]:
+    """Yield a fault for the runs that are in the same several splits, and one for those that are in none."""
+    names_by_splits: dict[tuple[SplitName, ...], list[str]] = {}
+    for name in names:
+        names_by_splits.setdefault(tuple(split for split, runs in splits.items() if name in runs), []).append(name)
+    for of_name, runs in names_by_splits.items():
+        what = (
+            f"splits.runs: {_some(runs)} {'is' if len(runs) == 1 else 'are'} in {' and '.join(of_name) or 'no split'}"
+        )
+        cure = "give each run to one of them" if of_name else "add each to a split; `export` leaves runs out with --runs"
+        if len(of_name) != 1:
+            yield InputError(what, where=where, cure=cure)
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:_MAX_LISTED]) + (", ..." if len(names) > _MAX_LISTED else "")

@@ -177,7 +177,13 @@ def _balance(data: Dataset) -> list[str]:
     names = [split.name for split in content.splits]
     rows = [(name, *cells) for name, cells in content.rows]
     warnings = [f"- {text}." for text in content.warnings]
-    return ["", *([*warnings, ""] if warnings else []), *markdown_table(("", *names), rows).splitlines()]
+    return [
+        "",
+        content.how,
+        "",
+        *([*warnings, ""] if warnings else []),
+        *markdown_table(("", *names), rows).splitlines(),
+    ]
 
 
 def _config(name: str, splits: Sequence[str], *, default: bool = False) -> list[str]:

@@ -43,6 +43,8 @@ class Balance:
     splits: tuple[SplitContent, ...]
     by: str
     """Property by which the dataset is divided."""
+    how: str
+    """Sentence on how it was divided."""
     classes: tuple[str, ...]
     """Classes that are known from annotations and occur in a split; empty without annotations."""
     knows_line: bool
@@ -130,7 +132,7 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
                 on_image(done)
     occurring = {name for content in contents.values() for name in content.images_by_class}
     names = tuple(name for name in CATEGORIES if name in occurring)
-    return Balance(tuple(contents.values()), record.by, names, knows_line)
+    return Balance(tuple(contents.values()), record.by, record.how, names, knows_line)
 
 
 def _add_run(content: SplitContent, run: Run, images: Sequence[Image]) -> None:

@@ -70,7 +70,7 @@ class Dataset:
         runs = tuple(run for run in self.runs if fnmatchcase(run.name, pattern))
         if not runs:
             names = ", ".join(run.name for run in self.runs[:5])
-            raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
+            raise InputError("no run matches", got=pattern, allowed=f"a pattern of names such as {names}")
         return replace(self, runs=runs)
 
     @property

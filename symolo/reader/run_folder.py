@@ -115,7 +115,7 @@ class Image:
             return np.isin(self.annotation("instance"), np.array(sky_ids + ids, dtype=np.uint16))
         if name in instances:
             return self.annotation("instance") == instances[name]
-        raise _lacking(f"mask {name}", (*categories, *instances), name, str(self.run.folder))
+        raise _lacking(f"mask {name}", tuple(dict.fromkeys((*categories, *instances))), name, str(self.run.folder))
 
     def _decoded(self, path: Path) -> np.ndarray:
         """Return the pixels of a file with the size of the run's images, in the file's own type, red first."""

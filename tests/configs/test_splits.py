@@ -24,7 +24,7 @@ from symolo.core.errors import InputError
         ("splits={by: run, stratify: [seed]}", "splits.stratify"),
         ("splits={runs: {}}", "splits.runs: got 'no split', allowed: runs of train, validation, test"),
         ("splits={runs: {train: [CW/*], test: [CWW/*]}}", "splits.runs.test: no run matches: got 'CWW/*'"),
-        ("splits={runs: {train: [CW/*]}}", "splits.runs: CCW/test_1 is in no split"),
+        ("splits={runs: {train: [CW/*]}}", "splits.runs: CCW/test_1, CCW/test_2, CCW/test_3 are in no split"),
         ("splits={by: {choice: [run, route]}}", "no distribution is allowed here"),
     ],
 )

@@ -8,6 +8,8 @@ from symolo.core.errors import one_line
 from symolo.dataset.documents.metadata import Metadata
 from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
 
+MAX_NAMED_RUNS = 20
+"""Largest number of runs of a split whose names are in its row."""
 _END_OF_LINK_TEXT = re.compile(r"\](?=[(:\[])")
 """A bracket that would turn the text after it into a link, such as `javascript:`."""
 
@@ -66,10 +68,15 @@ def splits_part(metadata: Metadata) -> str:
         table = {name: (splits.images[name], sum(map(len, splits.images[name].values()))) for name in splits.names}
     else:
         table = {name: (splits.runs[name], sum(images[run] for run in splits.runs[name])) for name in splits.names}
-    rows = [(name, str(len(runs)), str(count)) for name, (runs, count) in table.items()]
-    how = "The runs of each split were listed." if splits.by == "listed" else f"Divided by {splits.by}."
+    rows = [(name, str(len(runs)), str(count), _names(tuple(runs))) for name, (runs, count) in table.items()]
     warning = f" Warning: {NEIGHBOURS_WARNING}." if splits.by == "image" else ""
-    return f"## Splits\n\n{how}{warning}\n\n{markdown_table(('split', 'runs', 'images'), rows)}"
+    header = ("split", "runs", "images", "names of the runs")
+    return f"## Splits\n\n{splits.how}{warning}\n\n{markdown_table(header, rows)}"
+
+
+def _names(runs: Sequence[str]) -> str:
+    more = len(runs) - MAX_NAMED_RUNS
+    return ", ".join(runs[:MAX_NAMED_RUNS]) + (f" and {more} more, see metadata.json" if more > 0 else "")
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

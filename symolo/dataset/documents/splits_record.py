@@ -44,6 +44,14 @@ class SplitsRecord(Record):
         return tuple(name for name in SPLIT_NAMES if name in self.runs or name in self.images)
 
     @property
+    def how(self) -> str:
+        """Sentence on how the dataset was divided."""
+        if self.by == "listed":
+            return "The runs of each split were listed."
+        mixed = f", with about the same mix of {' and '.join(self.stratify)} in each split" if self.stratify else ""
+        return f"Divided by {self.by}{mixed}."
+
+    @property
     def of_runs(self) -> dict[str, SplitName]:
         """Split of each run by its name; empty for splits by image."""
         return {run: name for name in self.names for run in self.runs.get(name, ())}

@@ -94,6 +94,21 @@ def test_a_plan_names_what_a_robot_cannot_do_or_be_meant_to_have(setting, beginn
     assert warning.startswith(f"CW/test_1: {beginning}")
 
 
+@pytest.mark.parametrize(("limit_s", "is_named"), [(2, True), (20, True), (21, False)])
+def test_a_plan_names_a_time_limit_within_which_no_lap_can_be_finished(limit_s, is_named):
+    """The line of the arena `symolo` is 3.68 m long; at no error, the controller drives 0.18 m/s: 20.5 s."""
+    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}, runs: 2}]"
+    for lap in ("true", "false"):
+        settings = [route, f"stop.lap={lap}", f"stop.time_limit_s={limit_s}"]
+        warnings = plan_warnings(draw_all(load_scenario("smoke", settings)))
+        text = (
+            "CW/test_1 and 1 more run: no lap can be finished within stop.time_limit_s, which is"
+            f" {limit_s}, and stop.lap makes the run fail then: the 3.68 m of the line take 20 s at 0.18 m/s, the"
+            " largest speed of the controller; raise the limit, or set stop.lap=false"
+        )
+        assert warnings == ((text,) if is_named and lap == "true" else ())
+
+
 def test_a_start_beside_the_line_is_named_with_its_distance():
     """The line is at x = 0.55 m."""
     (warning,) = warnings_of(x_m=0.2)

@@ -20,9 +20,17 @@ def test_splits_are_added_to_a_release_without_rendering_again(dataset, copy_of,
     without = json.loads((dataset / "metadata.json").read_text())
     assert "splits" not in without
     assert metadata == {key: value for key, value in without.items() if key != "scenario"}
-    assert "## Splits\n\nDivided by route." in (root / "README.md").read_text()
+    assert "## Splits\n\nDivided by route.\n" in (text := (root / "README.md").read_text())
+    for split, (run,) in splits["runs"].items():
+        assert f"\n| {split} | 1 | 6 | {run} |\n" in text
     assert "## Splits" not in (dataset / "README.md").read_text()
     assert not list(verify(root))
+
+
+def test_a_sentence_names_the_grouping_and_what_is_mixed():
+    record = SplitsRecord(by="run", seed=1, stratify=("route", "look"), runs={"train": ("A/test_1",)})
+    assert record.how == "Divided by run, with about the same mix of route and look in each split."
+    assert SplitsRecord(by="listed", seed=1, runs={"train": ()}).how == "The runs of each split were listed."
 
 
 def test_a_run_that_failed_leaves_the_splits_of_the_others():

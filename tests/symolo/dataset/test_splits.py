@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultsError, InputError
 from symolo.dataset.documents.origin import Origin, ReleaseOrigin
 from symolo.dataset.splits import DEFAULT_SHARES, SplitMember, SplitRule, assign
 
@@ -113,8 +113,11 @@ def test_listed_runs_are_in_the_split_of_their_pattern():
         (by("look"), "1 group for 3 splits: all runs have the same look (lab)"),
         (by("route"), "2 groups for 3 splits: route: A, B: got 'route'"),
         (by("image"), "0 images for 3 splits; remove shares, or make more images"),
-        (SplitRule(None, {}, {"train": ("A/*",)}, 1), "splits.runs: B/test_1 is in no split; add it to a split"),
-        (SplitRule(None, {}, {"train": ("*",), "test": ("B/*",)}, 1), "splits.runs: B/test_1 is in train and test"),
+        (SplitRule(None, {}, {"train": ("A/*",)}, 1), "splits.runs: B/test_1, B/test_2 are in no split; add"),
+        (
+            SplitRule(None, {}, {"train": ("*",), "test": ("B/*",)}, 1),
+            "splits.runs: B/test_1, B/test_2 are in train and test",
+        ),
         (SplitRule(None, {}, {"train": ("*",), "test": ("C/*",)}, 1), "splits.runs.test: no run matches: got 'C/*'"),
     ],
 )
@@ -123,6 +126,18 @@ def test_a_rule_that_the_runs_do_not_allow_is_refused(rule, message):
         assign(rule, members(runs=2), "my.yaml:3")
     assert str(error.value).startswith("my.yaml:3: ")
     assert message in str(error.value)
+
+
+def test_all_faults_of_listed_splits_are_reported_together():
+    rule = SplitRule(None, {}, {"train": ("A/*", "C/*"), "test": ("A/test_2",)}, 1)
+    with pytest.raises(FaultsError) as error:
+        assign(rule, members(runs=2), "--splits")
+    texts = [str(fault) for fault in error.value.faults]
+    assert [text.partition(";")[0].partition(", allowed")[0] for text in texts] == [
+        "--splits: splits.runs.train: no run matches: got 'C/*'",
+        "--splits: splits.runs: A/test_2 is in train and test",
+        "--splits: splits.runs: B/test_1, B/test_2 are in no split",
+    ]
 
 
 def of_looks(counts, route="A"):

@@ -104,6 +104,8 @@ def test_the_report_and_the_card_of_hugging_face_show_the_splits(divided, random
     (section,) = re.findall(r'<h2 id="splits">(.*?)<h2', html.unescape(page.read_text()), re.DOTALL)
     assert f'<th>images</th><td class="n">{counts[0]}</td><td class="n">{counts[1]}</td>' in section
     assert f"| images | {counts[0]} | {counts[1]} |\n" in (out / "huggingface/README.md").read_text()
+    assert "<p>Divided by run.</p>" in section
+    assert "\nDivided by run.\n" in (out / "huggingface/README.md").read_text()
     for warning in balance(library.load(root)).warnings:
         assert f'<p class="warn">{warning}.</p>' in section
         assert f"- {warning}.\n" in (out / "huggingface/README.md").read_text()

@@ -48,7 +48,7 @@ def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):
     assert symolo(*arguments, "CCW/*").code == 0
     assert sorted(path.name for path in (out / "tum").iterdir()) == ["CCW"]
     refused = one_line(symolo(*arguments[:-2], tmp_path / "other", "--runs", "X*"))
-    assert "--runs: got 'X*', allowed: a pattern of names such as CW/test_1, CCW/test_1" in refused
+    assert "no run matches: got 'X*', allowed: a pattern of names such as CW/test_1, CCW/test_1" in refused
 
 
 def test_what_cannot_be_exported_is_refused_before_anything_is_written(

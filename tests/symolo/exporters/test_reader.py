@@ -174,6 +174,8 @@ def test_a_name_that_is_not_there_is_answered_with_those_that_are(random_release
         (lambda: has_depth.images[0].mask("wall"), "allowed: depth; add `instance` to render.annotations"),
         (lambda: has_depth.images[0].annotation("dept"), "allowed: depth; did you mean depth$"),
         (lambda: has_depth.images[0].mask("wal"), "did you mean wall$"),
+        (lambda: has_depth.images[0].mask("x"), "allowed: sky, floor, line, wall, obstacle, room, robot, line_0, A1,"),
+        (lambda: data.matching("X*"), r"^no run matches: got 'X\*', allowed: a pattern of names such as CW/test_1,"),
         (lambda: run.images[0].mask("wall"), "has no annotations"),
         (lambda: reader.load("nowhere"), "no such folder"),
     ):

@@ -23,7 +23,7 @@ def test_what_cannot_be_done_is_refused_and_nothing_is_written(painted, copy_of,
         (root, tmp_path / "none/report.html", "a file name ending in .html in a folder that exists"),
     ):
         assert what in one_line(symolo("report", folder, "--out", place))
-    assert "--runs: got 'X*'" in one_line(symolo("report", root, "--out", out, "--runs", "X*"))
+    assert "no run matches: got 'X*'" in one_line(symolo("report", root, "--out", out, "--runs", "X*"))
     assert [path.name for path in tmp_path.iterdir()] == ["copy"]
     assert not list(root.rglob("*.html"))
 
