@@ -46,8 +46,11 @@ class TracedSamples:
     denoise_quality: str = "HIGH"
 
 
-REFERENCES, FIRST_SAMPLES, _MAX_SAMPLES = 4, 8, 128
+REFERENCES, FIRST_SAMPLES, _MAX_SAMPLES = 4, 1, 128
 """Number of references of each image that is measured, and limits of the samples of each."""
+_REFUSING_SAMPLES = 8
+"""Samples of each reference with which a candidate may be refused. In two draws of `extreme` with rare bright pixels,
+the errors from references of one sample were much larger than those from 8, so cheap candidates could be refused."""
 LADDER = tuple(TracedSamples(samples) for samples in (2, 4, 8, 16, 32, 64))
 """Candidates of full rendering by their cost."""
 
@@ -222,7 +225,8 @@ Measure = Callable[[Candidate, int], ImageErrors]
 def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: Measure) -> Decision:
     """Return the cheapest rendering with a small error; if no error is small, the rendering with the most samples.
 
-    The references get more samples where their noise decides, as long as the run can save more than they cost.
+    A candidate may be taken after references of few samples. Before it is refused, they get `_REFUSING_SAMPLES`, and
+    more where their noise decides, as long as the run can save more than they cost.
 
     Args:
         job_sha256: SHA-256 of the job.
@@ -233,7 +237,7 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
     samples = FIRST_SAMPLES
     if hybrid is not None:
         errors = measure(hybrid, samples)
-        while _is_open(errors) and _is_worth(samples, errors, images * _USUAL_SAMPLES):
+        while _needs_more(samples, errors, images * _USUAL_SAMPLES):
             samples *= 2
             errors = measure(hybrid, samples)
         if errors.excess <= 1:
@@ -241,12 +245,19 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
     place, errors = 0, measure(LADDER[0], samples)
     while errors.excess > 1 and place + 1 < len(LADDER):
         saved = LADDER[_first_small(errors, place)].samples - LADDER[place].samples
-        if _is_open(errors) and _is_worth(samples, errors, images * saved):
+        if _needs_more(samples, errors, images * saved):
             samples *= 2
         else:
             place = max(_first_small(errors.least, place), place + 1)
         errors = measure(LADDER[place], samples)
     return Decision(job_sha256, None, LADDER[place], errors, samples)
+
+
+def _needs_more(samples: int, errors: ImageErrors, saved: int) -> bool:
+    """Return whether the references need more samples before a candidate is refused; `saved` as for `_is_worth`."""
+    if samples < _REFUSING_SAMPLES:
+        return errors.excess > 1
+    return _is_open(errors) and _is_worth(samples, errors, saved)
 
 
 def _is_open(errors: ImageErrors) -> bool:

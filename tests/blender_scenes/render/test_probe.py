@@ -58,7 +58,7 @@ def test_the_cheapest_full_rendering_with_a_small_error_is_taken_where_hybrid_re
 def test_steps_that_cannot_do_are_not_measured():
     """With its margin, the error is 25 times too large: halved with each doubling at best, it takes five doublings."""
     _, asked = _decided({2: 140.0, 64: 4.4})
-    assert [candidate.samples for candidate in asked] == [2, 64]
+    assert list(dict.fromkeys(candidate.samples for candidate in asked)) == [2, 64]
 
 
 def _decided_in_noise(images: int, error_of_two: float, standard_error: float, hybrid: float | None = None) -> Decision:
@@ -84,13 +84,25 @@ def test_references_get_more_samples_until_their_noise_does_not_decide(images, s
     assert (decision.full, decision.reference_samples) == (TracedSamples(4), samples)
 
 
-def test_references_that_show_a_small_error_get_no_more_samples():
-    assert _decided_in_noise(200, 4.0, 2.0).reference_samples == 8
-    assert _decided_in_noise(200, 64.0, 2.0).reference_samples == 8  # 2 and 16 samples are measured
+@pytest.mark.parametrize(
+    ("error", "standard_error", "samples", "reference_samples"),
+    [
+        (4.0, 0.25, 2, 1),  # 4 + 1.645 * 2 = 7.3 with references of one sample
+        (4.0, 0.5, 2, 2),  # 4 + 1.645 * 4 = 10.6 with one sample
+        (4.0, 2.0, 2, 8),
+        (64.0, 0.25, 32, 8),  # 2 samples are refused, for which 8 are needed
+    ],
+)
+def test_references_that_show_a_small_error_get_no_more_samples(error, standard_error, samples, reference_samples):
+    """The standard errors are those of references of 8 samples; with one sample they are 8 times as large."""
+    decision = _decided_in_noise(200, error, standard_error)
+    assert (decision.full, decision.reference_samples) == (TracedSamples(samples), reference_samples)
 
 
-@pytest.mark.parametrize(("images", "samples"), [(4, 8), (5, 16), (8, 16), (9, 32), (17, 64), (34, 128), (9999, 128)])
-def test_references_cost_no_more_than_they_can_save(images, samples):
+@pytest.mark.parametrize(
+    ("images", "samples"), [(1, 8), (4, 8), (5, 16), (8, 16), (9, 32), (17, 64), (34, 128), (9999, 128)]
+)
+def test_references_of_more_than_8_samples_cost_no_more_than_they_can_save(images, samples):
     """Noise that hides everything makes a run take 64 samples, and 2 might do: 62 for each image. Four references of
     four images with n samples each cost 16 n."""
     decision = _decided_in_noise(images, 1.0, 1e6)
