@@ -233,7 +233,9 @@ def _not_in_one_split(
         what = (
             f"splits.runs: {_some(runs)} {'is' if len(runs) == 1 else 'are'} in {' and '.join(of_name) or 'no split'}"
         )
-        cure = "give each run to one of them" if of_name else "add each to a split; `export` leaves runs out with --runs"
+        cure = (
+            "give each run to one of them" if of_name else "add each to a split; `export` leaves runs out with --runs"
+        )
         if len(of_name) != 1:
             yield InputError(what, where=where, cure=cure)
 
