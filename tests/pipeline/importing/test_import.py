@@ -141,6 +141,25 @@ def test_the_exported_poses_come_back_as_they_went(dataset, tmp_path, symolo):
     np.testing.assert_allclose(run.table.pose, truth.table.pose, atol=2e-6)
 
 
+def test_exported_poses_of_a_tilted_camera_come_back_as_those_of_the_robot(dataset, tmp_path, symolo):
+    """A release through KITTI and back: the true poses of the robot at the images, to the ten digits of the files."""
+    assert symolo("export", dataset, "--format", "kitti", "--out", tmp_path / "exported").code == 0
+    sequence = tmp_path / "exported/kitti/sequences/00"
+    path = tmp_path / "exported/kitti/poses/00.txt"
+    ended = symolo("import", path, "--out", tmp_path / "data")
+    assert (ended.code, "GUESS" in ended.out, "WARNING the body" in ended.out) == (0, False, False)
+    (run,) = symolo_reader.load(tmp_path / "data")
+    (name,) = [line.split()[1] for line in (path.parents[1] / "runs.txt").read_text().splitlines()][:1]
+    truth = symolo_reader.load(dataset)[name]
+    np.testing.assert_allclose(run.table.pose, truth.table.pose[np.flatnonzero(truth.table.image)], atol=2e-6)
+    ended = symolo("import", path, "--up=-y", "--out", tmp_path / "other")
+    assert (ended.code, "--up: got '-y'" in ended.err, "axes are known" in ended.err) == (2, True, True)
+    calibration = (sequence / "calib.txt").read_text()
+    (sequence / "calib.txt").write_text(calibration.replace("Tr:", "Tx:"))
+    ended = symolo("import", path, "--out", tmp_path / "other")
+    assert (ended.code, "calib.txt: has no line Tr with twelve numbers" in ended.err) == (2, True)
+
+
 def test_a_data_csv_of_a_release_is_read_with_all_its_columns(dataset, tmp_path, symolo):
     assert symolo("import", dataset / "CW/test_1/data.csv", "--out", tmp_path / "data").code == 0
     assert symolo("verify", tmp_path / "data").code == 0
