@@ -68,6 +68,9 @@ def read_simulated_spec(path: Path) -> RunSpec:
     """
     spec = read_spec(path)
     if not isinstance(spec, RunSpec):
-        what = "is the specification of an imported trajectory, which has no simulated readings"
+        what = (
+            "is the specification of an imported trajectory; imports are not supported here, because they have no map, "
+            "and no tables of wheels and ranges as symolo simulates them"
+        )
         raise InputError(what, where=str(path), cure="name a run that symolo simulated")
     return spec

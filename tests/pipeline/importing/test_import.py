@@ -117,7 +117,7 @@ def test_the_dataset_is_exported_reported_inspected_and_compared(imported, tmp_p
     assert "taken" in symolo("status", root).out or "imported from" in symolo("status", root).out
     assert symolo("compare", root, root).code == 0
     ended = symolo("baselines", root, "--out", tmp_path / "baselines")
-    assert (ended.code, "imported trajectory, which has no simulated readings" in ended.err) == (2, True)
+    assert (ended.code, "imported trajectory; imports are not supported here" in ended.err) == (2, True)
 
 
 def test_poses_alone_say_nothing_about_a_simulation(tmp_path, symolo):
