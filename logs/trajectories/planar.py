@@ -90,7 +90,8 @@ def on_floor(
             cure="name the forward axis with --forward, or the upward axis of the log with --up",
         )
     yaw_rad = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
-    changes, warnings = _losses(p_WB[:, 2], R_WB, body_up)
+    changes, warnings = _losses(p_WB, R_WB, body_up, up)
+    warnings += _place_of_camera(forward, body_up)
     quantities = {"x, y": f"position, {up} up", "theta": f"direction of the body's {forward} axis"}
     pose = np.column_stack((p_WB[:, :2], yaw_rad))
     is_rep_103 = (forward, body_up) == (Axis.X, Axis.Z)
@@ -143,15 +144,53 @@ def _yaw(R_WB: Array, axis: Axis) -> Array:
     return np.arctan2(ahead[:, 1], ahead[:, 0])
 
 
-def _losses(z_m: Array, R_WB: Array, body_up: Axis) -> tuple[list[str], list[str]]:
+def _losses(p_WB: Array, R_WB: Array, body_up: Axis, up: Axis) -> tuple[list[str], list[str]]:
     """Return what is left out of the poses, and warnings where it is more than a robot on a floor has."""
-    height_m = float(np.ptp(z_m))
-    upward = (R_WB @ axis_vector(body_up)).mean(axis=0)
+    height_m = float(np.ptp(p_WB[:, 2]))
+    body_z = R_WB @ axis_vector(body_up)
+    upward = body_z.mean(axis=0)
     upward /= np.linalg.norm(upward)
-    tilt_rad = float(np.arccos(np.clip(R_WB @ axis_vector(body_up) @ upward, -1.0, 1.0)).max())
+    tilt_rad = float(np.arccos(np.clip(body_z @ upward, -1.0, 1.0)).max())
     if height_m < _NO_HEIGHT_M and tilt_rad < _NO_TILT_RAD:
         return [], []
     text = f"heights, which range over {height_m:.3g} m, and tilts of up to {np.degrees(tilt_rad):.2g} degrees"
     if height_m <= NOTABLE_HEIGHT_M and tilt_rad <= NOTABLE_TILT_RAD:
         return [f"{text} are left out"], []
-    return [f"{text} are left out"], [f"the body does not move on an even floor: {text} are left out"]
+    reason = _tilted_frame(p_WB, up) or _tilted_mount(height_m, body_z, body_up)
+    return [f"{text} are left out"], [reason or f"the body does not move on an even floor: {text} are left out"]
+
+
+def _tilted_frame(p_WB: Array, up: Axis) -> str:
+    """Return a warning where the path lies in a plane that is not level; empty where it does not."""
+    place = p_WB - p_WB.mean(axis=0)
+    slope = np.linalg.lstsq(place[:, :2], place[:, 2], rcond=1e-6)[0]
+    tilt_rad = float(np.arctan(np.hypot(*slope)))
+    if tilt_rad <= NOTABLE_TILT_RAD or np.ptp(place[:, 2] - place[:, :2] @ slope) > NOTABLE_HEIGHT_M:
+        return ""
+    return (
+        f"the path lies in a plane that is tilted by {np.degrees(tilt_rad):.2g} degrees against the axis {up}, which is"
+        " taken for upward: the frame of the log is probably that of a tilted body, such as a camera at its first"
+        " image. Then places and headings here are wrong: turn the poses into a level frame before the import"
+    )
+
+
+def _tilted_mount(height_m: float, body_z: Array, body_up: Axis) -> str:
+    """Return a warning where a body on a level path keeps a tilt; empty where it does not."""
+    tilt_rad = np.arccos(np.clip(body_z[:, 2], -1.0, 1.0))
+    if height_m > NOTABLE_HEIGHT_M or np.ptp(tilt_rad) > NOTABLE_TILT_RAD:
+        return ""
+    return (
+        f"the body's axis {body_up} is tilted by {np.degrees(np.median(tilt_rad)):.2g} degrees against the vertical in"
+        " all poses, as that of a body that is mounted with a tilt; the tilt is left out"
+    )
+
+
+def _place_of_camera(forward: Axis, body_up: Axis) -> list[str]:
+    """Return a warning if the body has the axes of a camera (x right, y down, z forward)."""
+    if (forward, body_up) != (Axis.Z, Axis.MINUS_Y):
+        return []
+    text = (
+        "the poses are those of a camera: x and y are its place, not that of the middle of the axle, because the log"
+        " does not say where on the robot the camera is"
+    )
+    return [text]

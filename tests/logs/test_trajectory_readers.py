@@ -120,6 +120,24 @@ def test_the_pose_of_a_camera_gives_the_heading_of_its_axis(tmp_path):
     np.testing.assert_allclose(np.hypot(*trajectory.pose[:, :2].T), math.hypot(RADIUS_M, 0.1), atol=1e-6)
 
 
+TILTED_X_RC = X_RC @ np.array([[1, 0, 0, 0], [0, math.sqrt(0.75), -0.5, 0], [0, 0.5, math.sqrt(0.75), 0], [0, 0, 0, 1]])
+"""The camera looks down by 30 degrees."""
+
+
+def test_a_camera_that_is_mounted_with_a_tilt_is_named_and_the_floor_is_not(tmp_path):
+    _, (trajectory,) = read(written(tmp_path / "camera.txt", tum(X_WR @ TILTED_X_RC)))
+    tilt, place = trajectory.warnings
+    assert "axis -y is tilted by 30 degrees against the vertical in all poses" in tilt
+    assert "x and y are its place, not that of the middle of the axle" in place
+
+
+def test_a_frame_of_a_tilted_camera_is_named_and_the_drive_is_not(tmp_path):
+    """The floor is tilted by 30 degrees in the frame of the first image."""
+    _, (trajectory,) = read(written(tmp_path / "00.txt", kitti(X_WR @ TILTED_X_RC)), pose_hz=20.0)
+    assert "the path lies in a plane that is tilted by 30 degrees against the axis -y" in trajectory.warnings[0]
+    assert not any("even floor" in warning for warning in trajectory.warnings)
+
+
 def test_a_body_whose_other_axis_points_forward_is_recognised_from_the_path(tmp_path):
     turned = np.array([[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])  # y of the body is forward
     path = written(tmp_path / "body.txt", tum(X_WR @ np.linalg.inv(turned)))
