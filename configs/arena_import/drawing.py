@@ -44,7 +44,7 @@ class Drawing:
         x, y = (0.5 * (min(axis) + max(axis)) for axis in zip(*points, strict=True))
 
         def moved(point: Point) -> Point:
-            return round(point[0] - x, 4), round(point[1] - y, 4)
+            return round(point[0] - x, 4) + 0.0, round(point[1] - y, 4) + 0.0  # no negative zeros
 
         def all_moved(outlines: list[tuple[Point, ...]]) -> list[tuple[Point, ...]]:
             return [tuple(moved(point) for point in outline) for outline in outlines]

@@ -13,7 +13,7 @@ from pipeline.run_warnings.simulated_run import plan_warnings, start_to_line
 from pipeline.stages.cameras import RunCamera, cameras_of
 from sensors.camera.lens_warp import pinhole_image
 from symolo.core.geometry.pinhole import intrinsics
-from symolo.core.progress import seconds
+from symolo.core.progress import plural, seconds
 from symolo.dataset.documents.rendering_record import LightPathsRecord
 
 WIDTH = 118
@@ -234,7 +234,7 @@ def _samples(sampled: TracingSettings) -> str:
         return (
             f"from hybrid rendering, {counts.near} and {counts.far} samples of light and {counts.surfaces} of surfaces"
         )
-    return f"{sampled.samples} samples per pixel"
+    return f"{plural(sampled.samples, 'sample')} per pixel"
 
 
 def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:

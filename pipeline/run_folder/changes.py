@@ -30,7 +30,8 @@ def changes(made: SceneSpec, requested: SceneSpec, *, simulation: bool = False) 
     """
     trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, requested)]
     before, now = ({key: value for key, value in tree.items() if key not in ABOUT} for tree in trees)
-    return list(_differences(before, now, ""))
+    # A description makes no image; it is named last, or not at all.
+    return sorted(_differences(before, now, ""), key=lambda text: text.partition(" ")[0].endswith("description"))
 
 
 def first_changes(changed: Sequence[str]) -> str:

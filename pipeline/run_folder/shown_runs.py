@@ -51,6 +51,14 @@ def checked_runs(root: Path, pattern: str | None) -> Iterator[Dataset]:
         yield open_release(root, pattern)
 
 
+def failed_runs_note(data: Dataset) -> str:
+    """Return a line on the runs that failed, which a release does not contain; empty if there are none."""
+    failed = [one.run for one in data.metadata.failed_runs] if data.metadata else []
+    if not failed:
+        return ""
+    return f"not shown, because failed runs are not released: {', '.join(failed)}; see `symolo status {data.root}`"
+
+
 def _is_unreleased(root: Path) -> bool:
     """Return whether a folder is a run in `.stages/simulate`, or an output folder that holds no release yet."""
     if STAGES in root.absolute().parts:

@@ -119,8 +119,8 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        text = repr(value[: _LONGEST_VALUE + 1])
-    elif isinstance(value, Mapping):
+        return _quoted(value)
+    if isinstance(value, Mapping):
         text = "{" + ", ".join(f"{key}: {shown(item)}" for key, item in list(value.items())[:4])
         text += ", ...}" if len(value) > 4 else "}"
     elif isinstance(value, Sequence):
@@ -128,6 +128,14 @@ def shown(value: object) -> str:
     else:
         text = repr(value)
     return _shortened(text, _LONGEST_VALUE + 2)
+
+
+def _quoted(text: str) -> str:
+    """Return a text in quotation marks, which are closed where it is shortened."""
+    quoted = repr(text[:_LONGEST_VALUE])
+    if len(quoted) > _LONGEST_VALUE + 2:  # of characters that `repr` writes as several
+        return quoted[: _LONGEST_VALUE + 1] + quoted[0] + "..."
+    return quoted + ("..." if len(text) > _LONGEST_VALUE else "")
 
 
 def _shortened(text: str, length: int) -> str:

@@ -8,7 +8,11 @@ from symolo.core.errors import InputError
 
 REFUSED = {
     "no waypoints": ("{waypoints: []}", "waypoints", "a list with at least 1 item"),
-    "a waypoint at the start": ("{waypoints: [{t_s: 0, offset: [0.1, 0]}]}", "waypoints.0.t_s", "number > 0"),
+    "a waypoint at the start": (
+        "{waypoints: [{t_s: 0, offset: [0.1, 0]}]}",
+        "waypoints.0.t_s",
+        "leave this waypoint out",
+    ),
     "a place of its own": ("{waypoints: [{t_s: 1, center: [0, 0]}]}", "waypoints.0.center", "offset"),
     "an unknown repeat": (
         "{repeat: bounce, waypoints: [{t_s: 1}]}",

@@ -66,7 +66,7 @@ def view(
     if follow:
         _follow(folder, out, every_s)
         return
-    from pipeline.run_folder.shown_runs import shown_runs
+    from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
     from symolo.core.files.atomic_files import write_file
     from symolo.core.progress import plural, report_here
     from symolo.view.page import ViewLimits, view_page
@@ -74,9 +74,12 @@ def view(
     place = out or new_file_check(".html", option="--out")(Path(f"{folder.absolute().name}-view.html"))
     with shown_runs(folder, runs) as data:
         made = view_page(data, ViewLimits(max_runs, max_images, width_px), report_here())
+        note = failed_runs_note(data)
     write_file(place, made.html)
     counts = f"{plural(made.runs, 'run')}, {plural(made.images, 'image')}"
     typer.echo(f"{place}: {counts}, {len(made.html) / 1e6:.1f} MB")
+    if note:
+        typer.echo(note)
     if out is None:
         _open_in_browser(place)
 
@@ -145,7 +148,7 @@ def video(
     """
     from fractions import Fraction
 
-    from pipeline.run_folder.shown_runs import shown_runs
+    from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
     from symolo.core.files.atomic_files import write_chunks
     from symolo.core.progress import plural, report_here, seconds
     from symolo.video.build import Video, VideoSettings
@@ -158,6 +161,7 @@ def video(
     settings = VideoSettings(width_px or kind.width_px, rate, speed, max_runs)
     with shown_runs(folder, runs) as data:
         made = Video(data, settings)
+        note = failed_runs_note(data)
         made.check_length(kind.max_frames)
         with report_here().stage("video", made.film().count, "frames") as stage:
             write_chunks(place, kind.chunks(made.film(stage)))
@@ -166,6 +170,8 @@ def video(
     typer.echo(
         f"{place}: {made.runs}{left_out} {plural(made.runs, 'run').split()[1]}, {seconds(made.duration_s)}, {size}"
     )
+    if note:
+        typer.echo(note)
 
 
 def report(
@@ -224,10 +230,13 @@ def contact_sheet(
 
     Example: symolo contact-sheet data --out sheet.jpg
     """
-    from pipeline.run_folder.shown_runs import shown_runs
+    from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
     from symolo.pages.sheet import save
     from symolo.report.contact_sheet import contact_sheet as sheet_of
 
     with shown_runs(folder, runs) as data:
         save(sheet_of(data, per_run, width_px), out)
+        note = failed_runs_note(data)
     typer.echo(str(out))
+    if note:
+        typer.echo(note)

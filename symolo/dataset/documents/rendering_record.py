@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from symolo.core.progress import plural
 from symolo.dataset.documents.record import Record
 
 
@@ -54,7 +55,7 @@ class RenderingRecord(Record):
     @property
     def text(self) -> str:
         """Phrase for people."""
-        samples = "" if self.samples is None else f", {self.samples} samples per pixel"
+        samples = "" if self.samples is None else f", {plural(self.samples, 'sample')} per pixel"
         parts = [f"{self.method}{samples}", self.light_paths.text]
         if self.error is None:
             parts.append("error not measured")

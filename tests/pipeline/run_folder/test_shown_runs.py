@@ -74,6 +74,23 @@ def test_a_run_that_failed_is_shown_with_its_problem(simulated, tmp_path):
     assert warnings == {"CW/test_1": ["hit the wall A2 at 0.9 s"], "CCW/test_1": []}
 
 
+def test_failed_runs_of_a_release_are_named_by_what_shows_its_runs(dataset, copy_of, symolo, tmp_path):
+    root = copy_of(dataset)
+    path = root / "metadata.json"
+    content = json.loads(path.read_text())
+    path.write_text(
+        json.dumps(
+            content | {"failed_runs": [{"run": "CW/test_2", "stage": "simulate", "problem": "touched A1 at 2.40 s"}]}
+        )
+    )
+    for command, out in (("view", "page.html"), ("contact-sheet", "sheet.jpg"), ("video", "film.gif")):
+        note = f"not shown, because failed runs are not released: CW/test_2; see `symolo status {root}`\n"
+        for folder, is_named in ((root, True), (dataset, False)):
+            options = ("--max-runs", 1, "--fps", 1, "--width-px", 320) if command == "video" else ()
+            ended = symolo(command, folder, "--out", tmp_path / f"{folder.parent.name}-{out}", *options)
+            assert (ended.code, ended.out.endswith(note)) == (0, is_named), ended.err
+
+
 def test_a_report_takes_checked_releases_and_simulated_runs_only(dataset, simulated, copy_of, symolo, tmp_path):
     damaged = copy_of(dataset)
     (damaged / "CW/test_1/data.csv").write_text("")

@@ -32,7 +32,8 @@ def test_an_error_comes_out_of_a_worker_process_unchanged():
         ([1, "a"], "[1, 'a']"),
         ([1, 2, 3, 4, 5], "[1, 2, 3, 4, ...]"),
         ({"a": {"b": None}}, "{a: {b: nothing (null)}}"),
-        ("x" * 100, "'" + "x" * 60),
+        ("x" * 100, "'" + "x" * 60 + "'..."),
+        ("\n" * 100, "'" + r"\n" * 30 + "'..."),
     ],
 )
 def test_values_are_shown_short_and_as_the_user_writes_them(value: object, text: str):
