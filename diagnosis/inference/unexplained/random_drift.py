@@ -50,6 +50,8 @@ WITHOUT_WHITE = np.array([1e3])
 TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
 DISTANCE = "distance_m"
+SURE = 0.95
+"""Probability of the shortest time constant from which the error counts as noise that is correlated over few rows."""
 EQUAL = 1e-6
 """Difference of the cost that is only rounding error."""
 TIME_CONSTANT_LIMITS = RangeWander.parameters()["time_constant_s"]
@@ -112,6 +114,12 @@ class _Seen:
     @property
     def cost(self) -> float:
         return float(self.found.costs.min())
+
+    @property
+    def shares(self) -> Array:
+        """Return the probability (T, R) of each time constant and ratio."""
+        likelihood = np.exp(-0.5 * (self.found.costs - self.cost))
+        return likelihood / likelihood.sum()
 
     @property
     def error(self) -> ErrorModel:
@@ -182,6 +190,8 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     # A drift after power-on and a random drift imitate each other.
     others = [white] if _warms_up(fit) else []
     seen = _weighed(evidence, ranges, seen, beside)
+    if seen.shares.sum(axis=1)[0] > SURE:  # the noise may be correlated over still fewer rows
+        return None
     z, sd = seen.series.z, seen.series.sd_m
     drift = seen.series.cost_of(_left(z, _lines(seen.series) / sd[:, None]))
     others += [drift, _jump(seen.series) + PARAMETER_PENALTY, min(_short(seen, row_s))]
@@ -267,8 +277,7 @@ def _named(
     seen: _Seen, others: Sequence[float], white: float, path_m: Array, seen_for: dict[str, list[float]]
 ) -> RandomDrift:
     """Return the error with the mean of its size and time constant over all that were tried."""
-    weight = np.exp(-0.5 * (seen.found.costs - seen.cost))
-    weight /= weight.sum()
+    weight = seen.shares
     middle_m = float(np.median(seen.series.sd_m))
     (sd_of, sd_error), (tau, tau_error) = (
         _mean_and_error(values, weight)

@@ -49,9 +49,9 @@ def drift_of(drive):
     return of
 
 
-def first_order(ranges, seed=5):
+def first_order(ranges, seed=5, tau_s=TAU_S):
     """A path of first-order Gauss-Markov errors for each trial of each sensor, by recursion from row to row."""
-    rng, keep = np.random.default_rng(seed), np.exp(-ROW_S / TAU_S)
+    rng, keep = np.random.default_rng(seed), np.exp(-ROW_S / tau_s)
     errors = np.zeros(len(ranges.time_s))
     for row in range(len(errors)):
         begins = row == 0 or not 0.0 < ranges.time_s[row] - ranges.time_s[row - 1] < 2.0 * ROW_S
@@ -103,8 +103,17 @@ def _with_own_times(quantity):
         lambda ranges: 0.006 * np.cos(7.0 * of_name(ranges, "distance_m")),
         lambda ranges: np.where(of_name(ranges, "wall") == 1.0, 0.01, 0.0),
         lambda ranges: of_name(ranges, "distance_m") * first_order(ranges),
+        lambda ranges: first_order(ranges, tau_s=4.0 * ROW_S),
     ],
-    ids=["nothing", "jump of a sensor", "along the heading", "along the distance", "at one wall", "scale that drifts"],
+    ids=[
+        "nothing",
+        "jump of a sensor",
+        "along the heading",
+        "along the distance",
+        "at one wall",
+        "scale that drifts",
+        "noise correlated over four rows",
+    ],
 )
 def test_what_looks_alike_is_not_called_so(drift_of, error_m):
     assert drift_of(error_m) is None
