@@ -145,7 +145,7 @@ def _no_time_for_a_lap(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
     if spec.stop.lap and limit_s * fastest_m_s < line.length_m:
         text = (
             f"no lap can be finished within stop.time_limit_s, which is {limit_s:g}, and stop.lap makes the run fail"
-            f" then: the {line.length_m:.2f} m of the line take {line.length_m / fastest_m_s:.0f} s at"
+            f" then: the {line.length_m:.2f} m of the line take {line.length_m / fastest_m_s:.1f} s at"
             f" {fastest_m_s:.2g} m/s, the largest speed of the controller; raise the limit, or set stop.lap=false"
         )
         yield _Suspicion("no time for a lap", text)

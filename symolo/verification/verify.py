@@ -57,8 +57,8 @@ def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) 
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults
-    has_content = inventory.files.strange.keys() | (inventory.expected.keys() - inventory.files.digests.keys())
-    content = (finding for finding in _content_findings(root, check_spec) if finding.file not in has_content)
+    unreadable = inventory.files.strange.keys() | (inventory.expected.keys() - inventory.files.digests.keys())
+    content = (finding for finding in _content_findings(root, check_spec) if finding.file not in unreadable)
     if not inventory.trusted or not faults:
         yield from content
         return

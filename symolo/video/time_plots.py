@@ -56,7 +56,8 @@ class TimePlot:
     def _times(self) -> None:
         """Write round times below the plot, the last one with its unit."""
         size_px = 0.85 * self._text_px
-        times_s = [t_s for t_s in ticks_around(np.array(self._span_s), from_zero=False) if t_s <= self._span_s[1]]
+        first_s, last_s = self._span_s
+        times_s = [t_s for t_s in ticks_around(np.array(self._span_s), from_zero=False) if first_s <= t_s <= last_s]
         for t_s in times_s:
             words = f"{t_s:g} s" if t_s == times_s[-1] else f"{t_s:g}"
             width = text_width(words, size_px)

@@ -8,7 +8,7 @@ from scipy.stats import t as student_t
 
 from benchmarks.diagnosis.independent_cases.beyond import WORSE
 from benchmarks.diagnosis.independent_cases.case import make_cases
-from benchmarks.diagnosis.independent_cases.disturbances import correlated_noise
+from benchmarks.diagnosis.independent_cases.disturbances import Plan, correlated_noise, outlier_masks
 from benchmarks.diagnosis.independent_cases.drives import wheels as drive_wheels
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.motors.motor import Motor
@@ -17,6 +17,7 @@ from benchmarks.diagnosis.independent_cases.motors.motor_steady import SteadySet
 from benchmarks.diagnosis.independent_cases.motors.motor_step import StepSetting
 from benchmarks.diagnosis.independent_cases.motors.step_integrator import DT_S, filtered
 from benchmarks.diagnosis.independent_cases.motors.wheel_step import moved
+from benchmarks.diagnosis.independent_cases.ranges.tof_bench import RangeSetting
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
 R, K, B, TC, J, U = 3.0, 0.3, 0.002, 0.02, 0.003, 7.4
@@ -228,8 +229,22 @@ def test_noise_with_heavy_tails_has_unit_variance_and_the_tails_of_student_s_t()
 
 @pytest.mark.parametrize("kind", ["motor_steady", "tof_bench"])
 def test_a_disturbance_beyond_the_usual_ones_is_in_every_case(kind):
-    noise = [truth["disturbances"] for _, _, truth in make_cases(kind, 6, 3, WORSE["correlation"])]
-    outliers = [truth["disturbances"] for _, _, truth in make_cases(kind, 6, 3, WORSE["outliers"])]
-    assert all(0.3 <= plan["lag1"] <= 0.6 for plan in noise if plan["lag1"])
-    assert sum(plan["lag1"] > 0 for plan in noise) >= 4  # it stays white where an effect of the noise is hidden
-    assert all(0.08 <= share <= 0.15 for plan in outliers for share in plan["outlier_share"].values())
+    def plans(name):
+        drawn = (truth for _, _, truth in make_cases(kind, 6, 3, WORSE[name]))
+        # Beside a hidden effect of the noise, the noise is as stated.
+        of_noise = RangeSetting.IN_NOISE
+        return [t["disturbances"] for t in drawn if not any(each["name"] in of_noise for each in t["effects"])]
+
+    assert all(0.3 <= plan["lag1"] <= 0.6 for plan in plans("correlation"))
+    assert all(plan["tail_degrees"] in {3, 4, 5} for plan in plans("tails"))
+    assert all(0.08 <= share <= 0.15 for plan in plans("outliers") for share in plan["outlier_share"].values())
+    factors = np.array([list(plan["noise_factor"].values()) for plan in plans("noise")])
+    assert len(factors) >= 4
+    assert np.all((np.abs(np.log(factors)) >= np.log(2.49)) & (np.abs(np.log(factors)) <= np.log(4.01)))
+
+
+def test_a_large_share_of_outliers_is_that_of_the_rows():
+    plan = Plan({"x": 1.0}, {"x": 0.1}, "runs", outliers_together=False, lag1=0.0, dropout_share=0.0)
+    for seed in range(20):
+        masks = outlier_masks(np.random.default_rng(seed), 40, ["x"], plan)
+        assert masks["x"].sum() == 4

@@ -32,8 +32,8 @@ def main() -> None:
     elif args.truth:
         bound.run(args.truth)
     elif args.kind and args.out:
-        if args.beyond and args.kind == "drive_log":
-            parser.error("--beyond changes benches and step logs, no drives")
+        if args.beyond and args.kind not in {"motor_steady", "tof_bench"}:
+            parser.error("--beyond changes benches only: motor_steady and tof_bench")
         for files, again, truth in make_cases(args.kind, args.cases, args.seed, WORSE.get(args.beyond)):
             write_case(args.out / truth["case"], files)
             if args.again:

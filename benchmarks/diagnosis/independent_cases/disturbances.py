@@ -68,9 +68,11 @@ def whitened(values: Array, lag1: float) -> Array:
 
 
 def _outlier_mask(rng: np.random.Generator, rows: int, share: float, style: str) -> Mask:
-    """Draw the rows that are outliers, alone or in runs of 2 to 5, at most 6 % of all if their share is not larger."""
+    """Draw the rows that are outliers, alone or in runs of 2 to 5, at most 6 % of all; a larger share is exact."""
     mask = np.zeros(rows, bool)
-    number = min(int(rng.binomial(rows, share)), int(max(0.06, share) * rows)) if share > 0 else 0
+    number = min(int(rng.binomial(rows, share)), int(0.06 * rows)) if share > 0 else 0
+    if share > 0.06:
+        number = round(share * rows)
     while mask.sum() < number:
         length = 1 if style == "alone" else int(rng.integers(2, 6))
         start = int(rng.integers(rows))

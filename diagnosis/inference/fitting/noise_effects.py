@@ -14,8 +14,9 @@ from diagnosis.inference.fitting.likelihood import LEVEL_SD, NoiseFit, cost, fit
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
-EVEN = 0.7
-"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole."""
+EVEN = 0.99
+"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole and takes
+the place of its level. With an effect that scales the noise only nearly evenly, the level stays uncertain."""
 
 
 def has_noise_effect(hypothesis: Hypothesis) -> bool:

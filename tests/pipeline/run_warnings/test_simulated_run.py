@@ -103,7 +103,7 @@ def test_a_plan_names_a_time_limit_within_which_no_lap_can_be_finished(limit_s, 
         warnings = plan_warnings(draw_all(load_scenario("smoke", settings)))
         text = (
             "CW/test_1 and 1 more run: no lap can be finished within stop.time_limit_s, which is"
-            f" {limit_s}, and stop.lap makes the run fail then: the 3.68 m of the line take 20 s at 0.18 m/s, the"
+            f" {limit_s}, and stop.lap makes the run fail then: the 3.68 m of the line take 20.5 s at 0.18 m/s, the"
             " largest speed of the controller; raise the limit, or set stop.lap=false"
         )
         assert warnings == ((text,) if is_named and lap == "true" else ())

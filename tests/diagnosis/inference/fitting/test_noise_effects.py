@@ -36,8 +36,8 @@ class Lit:
         return (Predicted(np.zeros_like(sd), sd),)
 
 
-def readings_m(seed):
-    return sd_m(COEFFICIENT) * np.random.default_rng(seed).standard_normal(len(KLUX))
+def readings_m(seed, coefficient, level):
+    return level * sd_m(coefficient) * np.random.default_rng(seed).standard_normal(len(KLUX))
 
 
 def evidence_of(values):
@@ -88,14 +88,20 @@ def fitted(robot, effect):
     return of
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_fit_ends_at_the_lowest_cost_of_effect_and_level_together(fitted, seed):
-    values = readings_m(seed)
-    _, fit, _ = fitted(values)
-    assert fit.cost <= lowest(values) + 0.1
+@pytest.mark.parametrize(("coefficient", "level"), [(30.0, 1.0), (30.0, 1.5), (60.0, 1.0), (60.0, 0.8)])
+def test_a_fit_ends_at_the_lowest_cost_of_effect_and_level_together(fitted, coefficient, level):
+    for seed in range(3):
+        values = readings_m(seed, coefficient, level)
+        _, fit, _ = fitted(values)
+        assert fit.cost <= lowest(values) + 0.1
 
 
-def test_the_true_coefficient_is_within_three_standard_errors(fitted):
-    for seed in range(12):
-        coefficient, _, std = fitted(readings_m(seed))
-        assert abs(coefficient - COEFFICIENT) < 3.0 * std["coefficient_per_klux"]
+def test_the_coefficient_is_as_far_off_as_its_standard_error_says(fitted):
+    """Over levels that are drawn from their prior, deviations in standard errors have a standard deviation of one."""
+    deviations = []
+    for seed in range(32):
+        level = np.exp(LEVEL_SD * np.random.default_rng([seed, 1]).standard_normal())
+        coefficient, _, std = fitted(readings_m(seed, COEFFICIENT, level))
+        deviations.append((coefficient - COEFFICIENT) / std["coefficient_per_klux"])
+    assert np.max(np.abs(deviations)) < 3.5
+    assert 0.6 < np.std(deviations) < 1.4
