@@ -51,7 +51,7 @@ TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
 DISTANCE = "distance_m"
 SURE = 0.95
-"""Probability of the shortest time constant from which the error counts as noise that is correlated over few rows."""
+"""Probability of the shortest time constant, a few fitted rows, from which the error counts as correlated noise."""
 EQUAL = 1e-6
 """Difference of the cost that is only rounding error."""
 TIME_CONSTANT_LIMITS = RangeWander.parameters()["time_constant_s"]
