@@ -18,6 +18,8 @@ FOLLOWS_RAD = np.radians(30.0)
 """Largest median angle between a forward axis and the path of a body that drives along this axis."""
 NOTABLE_HEIGHT_M, NOTABLE_TILT_RAD = 0.02, np.radians(5.0)
 """Range of heights and largest tilt of a robot on an even floor, with noise."""
+MIN_WIDTH_M = 0.1
+"""Smallest width of a path that shows in which plane it lies."""
 _NO_HEIGHT_M, _NO_TILT_RAD = 1e-6, 1e-5
 """Range of heights and largest tilt that are only rounding errors."""
 _FORWARD_OF_UP = {
@@ -163,6 +165,10 @@ def _losses(p_WB: Array, R_WB: Array, body_up: Axis, up: Axis) -> tuple[list[str
 def _tilted_frame(p_WB: Array, up: Axis) -> str:
     """Return a warning where the path lies in a plane that is not level; empty where it does not."""
     place = p_WB - p_WB.mean(axis=0)
+    # A straight path lies in many planes.
+    across_m = np.ptp(place[:, :2] @ np.linalg.svd(place[:, :2], full_matrices=False)[2][-1])
+    if across_m < MIN_WIDTH_M:
+        return ""
     slope = np.linalg.lstsq(place[:, :2], place[:, 2], rcond=1e-6)[0]
     tilt_rad = float(np.arctan(np.hypot(*slope)))
     if tilt_rad <= NOTABLE_TILT_RAD or np.ptp(place[:, 2] - place[:, :2] @ slope) > NOTABLE_HEIGHT_M:

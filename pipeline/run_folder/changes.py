@@ -30,7 +30,7 @@ def changes(made: SceneSpec, requested: SceneSpec, *, simulation: bool = False) 
     """
     trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, requested)]
     before, now = ({key: value for key, value in tree.items() if key not in ABOUT} for tree in trees)
-    # A description makes no image; it is named last, or not at all.
+    # Messages name the first changes only, and no image depends on a description.
     return sorted(_differences(before, now, ""), key=lambda text: text.partition(" ")[0].endswith("description"))
 
 

@@ -69,8 +69,8 @@ def read_simulated_spec(path: Path) -> RunSpec:
     spec = read_spec(path)
     if not isinstance(spec, RunSpec):
         what = (
-            "is the specification of an imported trajectory; imports are not supported here, because they have no map, "
-            "and no tables of wheels and ranges as symolo simulates them"
+            "is the specification of an imported trajectory; imports are not supported here, because their readings"
+            " were not simulated"
         )
         raise InputError(what, where=str(path), cure="name a run that symolo simulated")
     return spec

@@ -132,10 +132,10 @@ def shown(value: object) -> str:
 
 def _quoted(text: str) -> str:
     """Return a text in quotation marks, which are closed where it is shortened."""
-    quoted = repr(text[:_LONGEST_VALUE])
-    if len(quoted) > _LONGEST_VALUE + 2:  # of characters that `repr` writes as several
-        return quoted[: _LONGEST_VALUE + 1] + quoted[0] + "..."
-    return quoted + ("..." if len(text) > _LONGEST_VALUE else "")
+    beginning = text[:_LONGEST_VALUE]
+    while len(repr(beginning)) > _LONGEST_VALUE + 2:  # `repr` writes some characters as several
+        beginning = beginning[:-1]
+    return repr(beginning) + ("..." if len(text) > len(beginning) else "")
 
 
 def _shortened(text: str, length: int) -> str:

@@ -229,14 +229,14 @@ def _not_in_one_split(
     names_by_splits: dict[tuple[SplitName, ...], list[str]] = {}
     for name in names:
         names_by_splits.setdefault(tuple(split for split, runs in splits.items() if name in runs), []).append(name)
-    for of_name, runs in names_by_splits.items():
+    for in_splits, runs in names_by_splits.items():
         what = (
-            f"splits.runs: {_some(runs)} {'is' if len(runs) == 1 else 'are'} in {' and '.join(of_name) or 'no split'}"
+            f"splits.runs: {_some(runs)} {'is' if len(runs) == 1 else 'are'} in {' and '.join(in_splits) or 'no split'}"
         )
         cure = (
-            "give each run to one of them" if of_name else "add each to a split; `export` leaves runs out with --runs"
+            "give each run to one of them" if in_splits else "add each to a split; `export` leaves runs out with --runs"
         )
-        if len(of_name) != 1:
+        if len(in_splits) != 1:
             yield InputError(what, where=where, cure=cure)
 
 

@@ -138,6 +138,16 @@ def test_a_frame_of_a_tilted_camera_is_named_and_the_drive_is_not(tmp_path):
     assert not any("even floor" in warning for warning in trajectory.warnings)
 
 
+def test_a_straight_drive_up_a_ramp_says_nothing_about_the_frame(tmp_path):
+    """A straight line lies in many planes, so the floor may be uneven as well."""
+    along_m = np.linspace(0.0, 2.0, len(X_WR))
+    X_WR_up = np.tile(np.eye(4), (len(X_WR), 1, 1))
+    X_WR_up[:, 0, 3], X_WR_up[:, 2, 3] = along_m, 0.1 * along_m
+    _, (trajectory,) = read(written(tmp_path / "ramp.txt", tum(X_WR_up)))
+    assert "does not move on an even floor" in trajectory.warnings[0]
+    assert not any("frame of the log" in warning for warning in trajectory.warnings)
+
+
 def test_a_body_whose_other_axis_points_forward_is_recognised_from_the_path(tmp_path):
     turned = np.array([[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])  # y of the body is forward
     path = written(tmp_path / "body.txt", tum(X_WR @ np.linalg.inv(turned)))

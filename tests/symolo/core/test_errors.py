@@ -34,6 +34,7 @@ def test_an_error_comes_out_of_a_worker_process_unchanged():
         ({"a": {"b": None}}, "{a: {b: nothing (null)}}"),
         ("x" * 100, "'" + "x" * 60 + "'..."),
         ("\n" * 100, "'" + r"\n" * 30 + "'..."),
+        ("a" * 59 + "\n" * 10, "'" + "a" * 59 + "'..."),
     ],
 )
 def test_values_are_shown_short_and_as_the_user_writes_them(value: object, text: str):
