@@ -13,20 +13,20 @@ KEPT = {"pip"}
 
 def needed(extras: set[str]) -> set[str]:
     """Names of all that symolo asks for, and of what that asks for in turn."""
-    found = {("symolo", extra) for extra in {"", *extras}}
-    waiting = list(found)
+    requirements = {("symolo", extra) for extra in {"", *extras}}
+    waiting = list(requirements)
     while waiting:
         name, extra = waiting.pop()
         try:
             lines = distribution(name).requires or []
         except PackageNotFoundError:  # an option that is not installed
             continue
-        asked = [one for one in map(Requirement, lines) if not one.marker or one.marker.evaluate({"extra": extra})]
-        for one in asked:
-            new = {(canonicalize_name(one.name), wanted) for wanted in {"", *one.extras}} - found
-            found |= new
+        direct = [one for one in map(Requirement, lines) if not one.marker or one.marker.evaluate({"extra": extra})]
+        for one in direct:
+            new = {(canonicalize_name(one.name), chosen) for chosen in {"", *one.extras}} - requirements
+            requirements |= new
             waiting += new
-    return {name for name, _ in found} | KEPT
+    return {name for name, _ in requirements} | KEPT
 
 
 if __name__ == "__main__":

@@ -92,7 +92,7 @@ def print_table(results: dict[str, list[dict[str, float]]]) -> None:
         print(f"| {method} | {cells} | {nees:.1f} | {within:.2f} |")
     for method, runs in results.items():
         if method.startswith("learned"):
-            ratios = [errors["ate_m"] / of for errors, of in zip(runs, odometry_m, strict=True)]
+            ratios = [errors["ate_m"] / odometry for errors, odometry in zip(runs, odometry_m, strict=True)]
             of_medians = median(errors["ate_m"] for errors in runs) / median(odometry_m)
             print(
                 f"{method}: {of_medians:.2f} of odometry by the medians; by lap {min(ratios):.2f} to {max(ratios):.2f}"

@@ -53,7 +53,7 @@ class FloorLayers:
         crossed = np.any([(cover > _BORDER) & (cover < 1 - _BORDER) for cover in covers], axis=0)
         if not crossed.any():
             return inner
-        upper = [np.isin(numbers, found) for _, found in self._layers]
+        upper = [np.isin(numbers, surfaces) for _, surfaces in self._layers]
         left, total, weights = np.ones_like(crossed, np.float32), np.zeros_like(inner), np.float32(1e-6)
         for cover, shown in zip([*covers, 1.0], [*upper, ~np.any(upper, axis=0)], strict=True):
             if shown.any():

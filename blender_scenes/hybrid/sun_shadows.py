@@ -85,8 +85,8 @@ class SunShadows:
         towards = np.array([cosine * x + sine * y, cosine * y - sine * x, z])
         # A point of the sun is seen up to d h / sin(elevation)^2 from the place of its middle.
         border_m = vertices[:, 2].max() * self._diameter_rad / z**2
-        most = min(_MAX_DIRECTIONS, max(_MAX_DRAWN // len(faces), _MIN_DIRECTIONS))
-        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, most))
+        max_directions = min(_MAX_DIRECTIONS, max(_MAX_DRAWN // len(faces), _MIN_DIRECTIONS))
+        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, max_directions))
         directions = disc_directions(towards, self._diameter_rad, count)
         ends = [vertices[:, :2] - vertices[:, 2:] * (each[:2] / each[2]) for each in directions]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m

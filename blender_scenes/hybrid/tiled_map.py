@@ -112,13 +112,13 @@ class TiledMap:
         """Return the tiles of a new patch, and the patch; texels that the last patch has as well are copied."""
         tiling, texel_m = self.tiling, self.tiling.texel_m * 2**level
         first, beyond = needed.min(axis=0), needed.max(axis=0) + 1
-        wanted = {(i, j) for i, j in needed.tolist()}
+        tiles = {(i, j) for i, j in needed.tolist()}
         # Tiles that blend into each other are not copied: a sum in another order would not be exactly the same.
         old = set() if tiling.margin else present
         reused = {tile for tile in old if (first <= tile).all() and (tile < beyond).all()}
         for tile in sorted(reused):
             self._use(level, *tile)
-        new = {tile: self._unpack(self._tile(level, *tile).astype(np.float32)) for tile in sorted(wanted - reused)}
+        new = {tile: self._unpack(self._tile(level, *tile).astype(np.float32)) for tile in sorted(tiles - reused)}
         columns, rows = (beyond - first) * tiling.core + 2 * tiling.margin
         channels = next(iter(new.values())).shape[-1]
         texels = np.full((rows, columns, channels), np.nan if not tiling.margin else 0.0, np.float32)
@@ -132,7 +132,7 @@ class TiledMap:
                 area += tile * (share[:, None] * share)[..., None]
             else:
                 area[...] = tile
-        return reused | wanted, MapPatch(first * tiling.core - tiling.margin, texel_m, texels)
+        return reused | tiles, MapPatch(first * tiling.core - tiling.margin, texel_m, texels)
 
     def _use(self, level: int, i: int, j: int) -> None:
         """Mark a tile as used last, so that others are dropped before it."""

@@ -69,8 +69,8 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
     if place.slot is Slot.RANGE:
         yield from _of_range(place, several, materials)
     if place.is_odd:
-        for own in place.covariates.values():
-            yield from _of_ends(place, own)
+        for covariate in place.covariates.values():
+            yield from _of_ends(place, covariate)
 
 
 def can_have_law(c: SlotCovariate) -> bool:

@@ -83,8 +83,8 @@ def _reading(read: QuantityRead, name: str, *, is_current: bool) -> Iterator[Law
     """Yield what an instrument reads over the true value."""
     first, unit = ("current_A", "A") if is_current else ("speed_rad_s", "rad/s")
     word, words = ("current", "current [A]") if is_current else ("speed", "speed [rad/s]")
-    own = read.covariate(name, word, words, unit, f"np.abs({first})", is_size=True)
-    if own is None or not own.varies:
+    covariate = read.covariate(name, word, words, unit, f"np.abs({first})", is_size=True)
+    if covariate is None or not covariate.varies:
         return
     yield LawPlace(
         Slot.CURRENT_READING if is_current else Slot.SPEED_READING,
@@ -94,7 +94,7 @@ def _reading(read: QuantityRead, name: str, *, is_current: bool) -> Iterator[Law
         arguments=f"{first}: Array",
         unit=unit,
         size=read.visible,
-        covariates={name: own},
+        covariates={name: covariate},
         imports=(),
         setups=_BENCH_AND_DRIVE if is_current else _BENCH,
         is_odd=True,

@@ -116,8 +116,8 @@ def _default(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str
     if default is None or default == "":
         return ""
     if isinstance(default, dict):
-        own = {key: value.get("default") for name in _referred(schema) for key, value in _fields(name, sections)}
-        return "" if default.items() <= own.items() else f"`{_flow(default)}`"
+        defaults = {key: value.get("default") for name in _referred(schema) for key, value in _fields(name, sections)}
+        return "" if default.items() <= defaults.items() else f"`{_flow(default)}`"
     return f"`{json.dumps(default)}`" if not isinstance(default, str) else f"`{default}`"
 
 

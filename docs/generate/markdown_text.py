@@ -23,8 +23,8 @@ def about(documented: object) -> str:
     The docstring of a function begins with "Return", which a reader of the page does not need.
     """
     described = _FOR_PROGRAMMERS.split(inspect.getdoc(documented) or "")[0].strip()
-    thing = described.removeprefix("Return ")
-    return described if thing == described else thing[:1].upper() + thing[1:]
+    returned = described.removeprefix("Return ")
+    return described if returned == described else returned[:1].upper() + returned[1:]
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -39,5 +39,5 @@ def page(title: str, about: str, parts: Iterable[str]) -> str:
 
 def anchor(heading: str) -> str:
     """Return the part of a link that names a heading."""
-    kept = (letter for letter in heading.lower() if letter.isalnum() or letter in " -_")
-    return "#" + "".join(kept).replace(" ", "-")
+    letters = (letter for letter in heading.lower() if letter.isalnum() or letter in " -_")
+    return "#" + "".join(letters).replace(" ", "-")

@@ -71,10 +71,10 @@ def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dic
     for name in sorted(sizes.keys() - AT_THE_TOP):
         if "/".join(PurePosixPath(name).parts[:2]) not in runs:
             raise another_release(store, f"{name} does not belong to a run of this scenario")
-    wanted = {f"{spec.key}/{SIDE}/{SPEC}": hashlib.sha256(spec_text(spec)).hexdigest() for spec in specs}
-    there = [name for name in wanted if name in sizes]
+    expected = {f"{spec.key}/{SIDE}/{SPEC}": hashlib.sha256(spec_text(spec)).hexdigest() for spec in specs}
+    there = [name for name in expected if name in sizes]
     for name, digest in side_by_side(lambda name: digest_of(store, name), there):
-        if digest not in {wanted[name], ""}:
+        if digest not in {expected[name], ""}:
             raise another_release(store, f"{name} is not that of this scenario")
     if METADATA in sizes:
         _check_metadata(store, tree)

@@ -25,6 +25,6 @@ def limit_memory(memory_bytes: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    most = pages * resource.getpagesize() + memory_bytes
-    if soft == resource.RLIM_INFINITY or most < soft:
-        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+    limit_bytes = pages * resource.getpagesize() + memory_bytes
+    if soft == resource.RLIM_INFINITY or limit_bytes < soft:
+        resource.setrlimit(resource.RLIMIT_AS, (limit_bytes, hard))

@@ -128,16 +128,16 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
             (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
     there = hashes_of(partial)
     check_room(out, remote.size_bytes - sum((partial / name).stat().st_size for name in there))
-    wanted = [name for name in expected if there.get(name) != expected[name]]
-    for name in wanted:
+    missing = [name for name in expected if there.get(name) != expected[name]]
+    for name in missing:
         make_folder((partial / name).parent)
     fetch = _Fetch(remote.store, partial, expected)
-    with report.stage("download", len(wanted), "files") as stage:
-        for number, _ in enumerate(side_by_side(fetch, wanted), start=1):
+    with report.stage("download", len(missing), "files") as stage:
+        for number, _ in enumerate(side_by_side(fetch, missing), start=1):
             stage.update("all", number)
     for name, data in remote.seals.items():
         write_file(partial / name, data)
-    return len(wanted) + len(remote.seals)
+    return len(missing) + len(remote.seals)
 
 
 def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:

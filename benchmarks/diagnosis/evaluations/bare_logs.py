@@ -44,8 +44,8 @@ def main() -> None:
         parser.error(f"--names: {', '.join(unknown)}: allowed are {', '.join(dict.fromkeys(TURNS))}")
     arguments.out.mkdir(parents=True, exist_ok=True)
     lines = arguments.out / "logs.jsonl"
-    asked = plans(arguments.cases, arguments.seed, turns)
-    done, todo = resumed(lines, asked)
+    all_plans = plans(arguments.cases, arguments.seed, turns)
+    done, todo = resumed(lines, all_plans)
     with ProcessPoolExecutor(arguments.workers, mp_context=get_context("spawn")) as pool:
         for job in as_completed([pool.submit(run, plan, arguments.out) for plan in todo]):
             done.append(job.result())
@@ -70,11 +70,11 @@ def plans(cases: int, seed: int, turns: Sequence[str] = TURNS) -> list[LogPlan]:
     return series
 
 
-def resumed(lines: Path, asked: Sequence[LogPlan]) -> tuple[list[dict], list[LogPlan]]:
+def resumed(lines: Path, all_plans: Sequence[LogPlan]) -> tuple[list[dict], list[LogPlan]]:
     """Return the results of a file that are of these logs and did not fail, and the plans without one."""
     known = [json.loads(line) for line in lines.read_text().splitlines()] if lines.is_file() else []
     by_plan = {json.dumps(each["plan"], sort_keys=True): each for each in known if "failed" not in each}
-    keys = {json.dumps(asdict(plan), sort_keys=True): plan for plan in asked}
+    keys = {json.dumps(asdict(plan), sort_keys=True): plan for plan in all_plans}
     return [by_plan[key] for key in keys if key in by_plan], [plan for key, plan in keys.items() if key not in by_plan]
 
 

@@ -162,10 +162,10 @@ def drives(count: int, seed: int) -> Iterator[str]:
                 log(rng, v, w, track, size if slips else 0.0) for (v, w, _), track in zip(runs, tracks, strict=True)
             ]
             free = log(rng, *joystick(rng), TRACK_M, size if slips else 0.0)
-            found = fitted(logs, free)
-            if found is None:
+            predictions = fitted(logs, free)
+            if predictions is None:
                 continue
-            whole, plain = found
+            whole, plain = predictions
             for k, name in enumerate(("x_m", "y_m", "theta_rad")):
                 errors = free[:, 2 + k] - whole.columns[name]
                 coverage.add(errors, whole.columns[f"sd_{name}"], plain.columns[f"sd_{name}"])

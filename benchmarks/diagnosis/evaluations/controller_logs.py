@@ -59,45 +59,45 @@ class Robot:
             "rotor_inertia_kg_m2": rng.uniform(0.002, 0.005),
         }
         shares = (0.03, 0.02, 0.15, 0.1, 0.03)
-        own = [
+        drawn = [
             value * (1.0 + share * rng.standard_normal()) for value, share in zip(known.values(), shares, strict=True)
         ]
-        return cls(*(np.full(2, value) for value in own)), known
+        return cls(*(np.full(2, value) for value in drawn)), known
 
 
 def set_points(rng: np.random.Generator, *, is_speed: bool) -> Array:
     """Return the set points (N, 2) of both wheels at every step: levels that are held for 0.3 to 2 s."""
     steps = round(SECONDS / STEP_S)
-    wanted, at = np.zeros((steps, 2)), round(0.2 / STEP_S)
+    targets, at = np.zeros((steps, 2)), round(0.2 / STEP_S)
     while at < steps:
         high = 9.0 if is_speed else 4.5
         both = rng.uniform(0.25, 1.0) * high * rng.choice([1.0, 1.0, 1.0, -1.0])
         kind = rng.random()
         level = (both, both * rng.uniform(0.5, 1.0)) if kind < 0.6 else (both, -both) if kind < 0.8 else (0.0, 0.0)
         length = round(rng.uniform(0.3, 2.0) / STEP_S)
-        wanted[at : at + length] = level
+        targets[at : at + length] = level
         at += length
-    return wanted
+    return targets
 
 
 def drive(robot: Robot, rng: np.random.Generator, rate_hz: int, *, is_speed: bool) -> tuple[Array, Array]:
     """Return voltages that begin at each cycle of the controller and wheel angles there, (T, 2) each."""
     per_cycle = round(1.0 / rate_hz / STEP_S)
-    wanted = set_points(rng, is_speed=is_speed)
+    targets = set_points(rng, is_speed=is_speed)
     speed, angle, integral, before = (np.zeros(2) for _ in range(4))
     volts, voltages, angles = np.zeros(2), [], []
-    for step in range(len(wanted)):
+    for step in range(len(targets)):
         if step % per_cycle == 0:
             counts = np.floor(angle * TICKS / (2.0 * np.pi))
             if is_speed:
                 seen = (counts - before) * 2.0 * np.pi / TICKS * rate_hz
-                error = wanted[step] - seen
-                raw = PI_GAIN_V_S * (error + integral) + robot.constant * wanted[step]
+                error = targets[step] - seen
+                raw = PI_GAIN_V_S * (error + integral) + robot.constant * targets[step]
                 volts = np.clip(raw, -SUPPLY_V, SUPPLY_V)
                 integral = np.where(raw == volts, integral + error / rate_hz / PI_TIME_S, integral)
-                volts = np.where(wanted[step] == 0.0, 0.0, volts)
+                volts = np.where(targets[step] == 0.0, 0.0, volts)
             else:
-                volts = wanted[step]
+                volts = targets[step]
             volts = np.asarray(np.round(volts, 3), dtype=np.float64)
             before = counts
             voltages.append(volts)
@@ -206,9 +206,9 @@ def main() -> None:
     arguments = parser.parse_args()
     rows = []
     for number in range(arguments.first, arguments.first + arguments.logs):
-        found = outcome(number, arguments.seed, poses=arguments.poses)
-        print(found.line(), flush=True)
-        rows.append({"number": number, "names": found.names, "conclusion": found.diagnosis.conclusion.value})
+        result = outcome(number, arguments.seed, poses=arguments.poses)
+        print(result.line(), flush=True)
+        rows.append({"number": number, "names": result.names, "conclusion": result.diagnosis.conclusion.value})
         if arguments.json:
             arguments.json.write_text(json.dumps(rows))
     wrong = sum(bool(row["names"]) for row in rows)

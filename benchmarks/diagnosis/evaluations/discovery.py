@@ -176,8 +176,8 @@ def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
     is_line = shape == "line" and form.shape == "power"
     low, high = NEARLY_STRAIGHT
     is_line = is_line and low <= diagnosis.law.values["exponent"] <= high
-    found = tuple("t_s" if name == "session_time_s" else name for name in form.covariates)
-    if (form.shape != shape and not is_line) or found != covariates:
+    names = tuple("t_s" if name == "session_time_s" else name for name in form.covariates)
+    if (form.shape != shape and not is_line) or names != covariates:
         return False
     return form.place.prefix == prefix and form.material == parameters.get("material", "")
 

@@ -116,8 +116,8 @@ def scores_of(todo: Sequence[Plan], out: Path, workers: int, verdicts: Path | No
     missing = [plan for plan in todo if plan.name not in done]
     print(f"{len(todo)} cases, {len(todo) - len(missing)} of them from before", file=sys.stderr)
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        own = {plan: {key: known[key] for key in (repr(plan),) if key in known} for plan in missing}
-        jobs = {pool.submit(run, plan, out, own[plan]): plan for plan in missing}
+        earlier = {plan: {key: known[key] for key in (repr(plan),) if key in known} for plan in missing}
+        jobs = {pool.submit(run, plan, out, earlier[plan]): plan for plan in missing}
         for count, job in enumerate(as_completed(jobs), 1):
             plan, (result, judged) = jobs[job], job.result()
             done[plan.name] = result

@@ -109,29 +109,29 @@ def covered(case: Case) -> Covered | None:
 
 
 def _true_hypothesis(result: Posterior, case: Case) -> RobotHypothesis | None:
-    wanted = sorted(effect.variant for effect in case.world.effects)
+    hidden = sorted(effect.variant for effect in case.world.effects)
     for hypothesis in result.hypotheses:
         names = sorted(hypothesis.name.split(" and ")) if hypothesis.name != "no effect" else []
-        if names == wanted and not hypothesis.left_out:
+        if names == hidden and not hypothesis.left_out:
             return hypothesis
     return None
 
 
 def _truth(case: Case, field: str) -> float | None:
     """Return the true value of a field of the robot; None if there is none."""
-    own = case.world.own
+    unit = case.world.own
     section, name = field.split(".", 1)
     if field in OF_NOMINAL:
         parameter, factor = OF_NOMINAL[field]
-        return factor * own[parameter]
+        return factor * unit[parameter]
     if section == "motor":
-        return own[name]
+        return unit[name]
     effect, parameter = name.split(".")
     hidden = any(each.name == effect for each in case.world.effects)
     if field == "effects.range_scale.scale":
-        return own.get(MIXED[field], 1.0) * case.world.value(effect, parameter, 1.0)
+        return unit.get(MIXED[field], 1.0) * case.world.value(effect, parameter, 1.0)
     if field in MIXED:
-        return own.get(MIXED[field], 0.0) + case.world.value(effect, parameter, 0.0)
+        return unit.get(MIXED[field], 0.0) + case.world.value(effect, parameter, 0.0)
     return case.world.value(effect, parameter, 0.0) if hidden else None
 
 

@@ -74,9 +74,9 @@ class Pair:
         matcher = cv2.StereoSGBM.create(
             0, DISPARITIES, MATCHING, 8 * penalty, 32 * penalty, 1, uniquenessRatio=10, mode=cv2.STEREO_SGBM_MODE_HH
         )
-        found = matcher.compute(self.left, self.right).astype(np.float64) / 16
-        matched = self.seen & (found > 0)
-        return self.depth_m[matched], (found - self.disparity_px)[matched]
+        disparity_px = matcher.compute(self.left, self.right).astype(np.float64) / 16
+        matched = self.seen & (disparity_px > 0)
+        return self.depth_m[matched], (disparity_px - self.disparity_px)[matched]
 
     def shift_px(self) -> float:
         """Return how far the right image is from the left one after the annotated disparity (Lucas and Kanade 1981)."""

@@ -97,12 +97,12 @@ class HybridRenderer:
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
-        things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
+        objects = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
         clear = {surface.name for surface in job.scene.surfaces if surface.transmission}
         self._layers = FloorLayers(floor, GRID_TURN_RAD)
-        self._footprints = Footprints([mesh for mesh in things if not clear & set(mesh.face_surface)])
-        things += [_outline(panel) for panel in job.scene.panels if panel.seen]
-        self._edges = EdgesInSight(camera, things, job.scene.moving, job.scene.robot_in_sight)
+        self._footprints = Footprints([mesh for mesh in objects if not clear & set(mesh.face_surface)])
+        objects += [_outline(panel) for panel in job.scene.panels if panel.seen]
+        self._edges = EdgesInSight(camera, objects, job.scene.moving, job.scene.robot_in_sight)
         ground = np.concatenate([np.array(mesh.vertices)[:, :2] for mesh in floor])
         self._bounds = ground.min(axis=0).astype(np.float32), ground.max(axis=0).astype(np.float32)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
@@ -270,9 +270,9 @@ class HybridRenderer:
         exact = np.clip(self._irradiance_level + offset, 0, tiled.tiling.levels - 1)
         for level, rows, mask in _bands(np.floor(exact), needed):
             share = (exact[rows] - level)[..., None]
-            wanted = points[rows][mask]
-            near = tiled.patch(level, wanted).at(points[rows])
-            far = tiled.patch(min(level + 1, tiled.tiling.levels - 1), wanted).at(points[rows])
+            visible = points[rows][mask]
+            near = tiled.patch(level, visible).at(points[rows])
+            far = tiled.patch(min(level + 1, tiled.tiling.levels - 1), visible).at(points[rows])
             np.copyto(values[rows], near + share * (far - near), where=mask[..., None])
         return values
 

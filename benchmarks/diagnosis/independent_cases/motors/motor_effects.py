@@ -108,8 +108,8 @@ def _battery_decline(d: MotorDraft) -> Recipe:
 
 def _torque_ripple(d: MotorDraft) -> Recipe:
     """Draw a ripple that has at least four samples of 5 ms a cycle at the highest speed."""
-    most = max(1, int(0.25 * 2 * math.pi / (0.005 * d.top_speed_rad_s)))
-    cycles = float(pick(d.rng, [c for c in (1, 2, 3, 4, 6, 8, 12, 24) if c <= most] or [1]))
+    max_cycles = max(1, int(0.25 * 2 * math.pi / (0.005 * d.top_speed_rad_s)))
+    cycles = float(pick(d.rng, [c for c in (1, 2, 3, 4, 6, 8, 12, 24) if c <= max_cycles] or [1]))
     phase = d.rng.uniform(-math.pi, math.pi)
     return d.positive(0.02 * d.tc, 0.9 * d.tc, "amplitude_N_m", cycles_per_turn=cycles, phase_rad=phase)
 
