@@ -16,6 +16,7 @@ import typer
 
 from pipeline.address_space import check_address_space
 from pipeline.commands.datasets import inspection, maintenance, sharing, visualisation
+from pipeline.commands.datasets.baselines import baselines
 from pipeline.commands.datasets.sign import sign
 from pipeline.commands.datasets.training import train
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
@@ -62,7 +63,7 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Hardware in the loop": (hil.hil, hil.firmware),
     "Look at data": (visualisation.view, visualisation.video, visualisation.report, visualisation.contact_sheet),
     "Inspect data and machine": (
-        *(inspection.verify, inspection.compare, inspection.baselines, train),
+        *(inspection.verify, inspection.compare, baselines, train),
         *(inspection.doctor, inspection.schema),
     ),
     "Keep, convert and share data": (

@@ -8,16 +8,36 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from symolo.core.errors import EnvironmentLacking, InputError
+    from symolo.evaluation.estimate import EstimatedTrajectory
+    from symolo.evaluation.estimate_file import read_estimate
+    from symolo.evaluation.evaluate import Evaluation, evaluate
     from symolo.reader.dataset import Dataset, load
     from symolo.reader.run import Run
     from symolo.reader.run_folder import Image
     from symolo.reader.torch_frames import Frame, torch_dataset
 
-__all__ = ["Dataset", "EnvironmentLacking", "Frame", "Image", "InputError", "Run", "load", "torch_dataset"]
+__all__ = [
+    "Dataset",
+    "EnvironmentLacking",
+    "EstimatedTrajectory",
+    "Evaluation",
+    "Frame",
+    "Image",
+    "InputError",
+    "Run",
+    "evaluate",
+    "load",
+    "read_estimate",
+    "torch_dataset",
+]
 
 _MODULES = {
     "EnvironmentLacking": "symolo.core.errors",
     "InputError": "symolo.core.errors",
+    "EstimatedTrajectory": "symolo.evaluation.estimate",
+    "Evaluation": "symolo.evaluation.evaluate",
+    "evaluate": "symolo.evaluation.evaluate",
+    "read_estimate": "symolo.evaluation.estimate_file",
     "Dataset": "symolo.reader.dataset",
     "load": "symolo.reader.dataset",
     "Image": "symolo.reader.run_folder",

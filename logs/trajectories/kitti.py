@@ -13,10 +13,10 @@ from logs.axis import Axis
 from logs.recognition import is_file
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.planar import on_floor
-from logs.trajectories.pose_lines import check_times, numbers_in_first_line, read_pose_lines
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
+from symolo.core.pose_lines import check_times, numbers_in_first_line, read_pose_lines
 from symolo.core.progress import plural
 from symolo.core.table import number
 

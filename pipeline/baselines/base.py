@@ -8,26 +8,10 @@ import numpy as np
 from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages
 from symolo.core.arrays import Array
-from symolo.dataset.tables.rows import Ints
+from symolo.evaluation.estimate import Estimate
 
 NO_IMAGES = "there are no images: release the scenario, with rates.camera_hz above 0"
 """Why a method that reads images cannot be used."""
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """The poses that a method estimates in a run."""
-
-    rows: Ints
-    """(M,), rows of data.csv with an estimate."""
-    pose: Array
-    """(M, 3), x [m], y [m], yaw [rad] in W."""
-    covariance: Array
-    """(M, 3, 3), covariance of the pose in W."""
-
-    def __post_init__(self) -> None:
-        for array in (self.rows, self.pose, self.covariance):
-            array.flags.writeable = False
 
 
 @dataclass(frozen=True)
@@ -44,13 +28,21 @@ def _nothing(_further: FurtherReadings) -> str:
 
 
 @dataclass(frozen=True)
-class Method:
+class Estimator:
+    """The source of estimates that the table compares."""
+
     name: str
-    """Name for `--methods`."""
+    """Name in the table, and of a method for `--methods`."""
     title: str
     """Name in figures."""
     what: str
-    """Line about the readings that the method uses, and how."""
+    """Line about the readings that a method uses, and how; or the file of the estimates."""
+
+
+@dataclass(frozen=True)
+class Method(Estimator):
+    """A method that is included."""
+
     estimate: Callable[[RobotKnowledge, Sequence[TrainingRun], np.random.Generator], Estimate]
     """Estimates the poses of a run; training runs are the other runs of the release, in random order."""
     learns: bool = False

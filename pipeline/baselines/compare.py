@@ -1,17 +1,19 @@
 """Comparison of methods: the estimates and errors of each one in each run."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.baselines import METHODS
-from pipeline.baselines.base import NO_IMAGES, Estimate, Method
-from pipeline.baselines.errors import Errors, errors_of
+from pipeline.baselines.base import NO_IMAGES, Estimator, Method
+from pipeline.baselines.own_estimates import Judgement
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M
-from pipeline.baselines.runs import LoggedRun
+from pipeline.baselines.runs import LoggedRun, TrueRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
+from symolo.evaluation.errors import Errors, errors_of
+from symolo.evaluation.estimate import Estimate
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,8 @@ class MethodResult:
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    methods: tuple[Method, ...]
-    runs: tuple[LoggedRun, ...]
+    methods: tuple[Estimator, ...]
+    runs: tuple[TrueRun, ...]
     results: Mapping[tuple[str, str], MethodResult]
     """Results by name of run and method."""
     left_out: Mapping[str, str]
@@ -35,8 +37,21 @@ class BaselineComparison:
     slip_m_sqrt_m: float
     """Standard deviation [m] that methods assume for the random error of a wheel's distance after 1 m."""
     seed: int
-    warning: str = ""
-    """Why errors here may be smaller than elsewhere; empty if there is no reason."""
+    warnings: tuple[str, ...] = ()
+    """Why errors may be smaller here than elsewhere, and what is suspicious about own estimates."""
+    conditions: str = ""
+    """How own estimates were compared; empty without any."""
+
+    def with_judgement(self, judgement: Judgement) -> "BaselineComparison":
+        """Return the comparison with own estimates, too."""
+        own = {key: MethodResult(one.estimate, one.errors) for key, one in judgement.evaluations.items()}
+        return replace(
+            self,
+            methods=(*self.methods, *judgement.methods),
+            results={**self.results, **own},
+            warnings=(*self.warnings, *judgement.warnings),
+            conditions=judgement.conditions,
+        )
 
 
 def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:
@@ -89,4 +104,5 @@ def compare(
                 errors = errors_of(estimate, knowledge.t_s, run.truth)
                 results[run.name, method.name] = MethodResult(estimate, errors)
                 stage.update("all", len(results))
-    return BaselineComparison(usable, tuple(runs), results, left_out, start_sd, slip_m_sqrt_m, seed)
+    true_runs = tuple(run.true_run for run in runs)
+    return BaselineComparison(usable, true_runs, results, left_out, start_sd, slip_m_sqrt_m, seed)

@@ -11,12 +11,13 @@ from math import exp
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from sensors.ranging.tof import log_error_m
 from symolo.core.arrays import Array
+from symolo.evaluation.estimate import Estimate
 
 RAYS = 30
 GAIN, OFFSET = STATES, STATES + 3

@@ -1,16 +1,18 @@
 """Paths over the map, and errors over time: a row of panels for each run."""
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.ticker import LogFormatter
 
-from pipeline.baselines.base import Method
+from pipeline.baselines.base import Estimator
 from pipeline.baselines.compare import BaselineComparison
-from pipeline.baselines.errors import pose_errors
-from pipeline.baselines.runs import LoggedRun
+from pipeline.baselines.runs import TrueRun
 from symolo.arena.geometry import Arena
+from symolo.evaluation.errors import pose_errors
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, png
 
 MAX_RUNS = 8
@@ -26,8 +28,8 @@ _STYLES = {
     "stereo": (GREY, "-"),
 }
 """Colour and line style of each method; an empty style stands for points."""
-_OTHER_STYLE = (BLACK, ":")
-"""Colour and line style of any other method."""
+_OTHER_STYLES = ((BLACK, ":"), (BLACK, "-."), (VERMILION, ":"), (BLUE, ":"), (GREEN, ":"), (PURPLE, ":"))
+"""Colours and line styles of other methods, in turn."""
 
 
 class PlainNumbers(LogFormatter):
@@ -43,11 +45,12 @@ def figure(compared: BaselineComparison) -> bytes:
     drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
     panels = drawn.subplots(len(shown), 3, width_ratios=(1.0, 1.15, 1.15), squeeze=False)
     for row, (run, (floor, place, turn)) in enumerate(zip(shown, panels, strict=True)):
-        _map(floor, Arena.from_config(run.spec.arena))
+        _map(floor, run.arena)
         floor.plot(*run.truth[:, :2].T, color=BLACK, linewidth=2.4, label="truth")
         floor.plot(*run.truth[0, :2], "o", color=BLACK, markersize=6)
+        others = cycle(_OTHER_STYLES)
         for method in compared.methods:
-            _method(compared, run, method, _STYLES.get(method.name, _OTHER_STYLE), (floor, place, turn))
+            _method(compared, run, method, _STYLES.get(method.name) or next(others), (floor, place, turn))
         low, high = run.truth[:, :2].min(axis=0) - 0.3, run.truth[:, :2].max(axis=0) + 0.3
         floor.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         for error in (place, turn):
@@ -67,15 +70,15 @@ def figure(compared: BaselineComparison) -> bytes:
 
 def _method(
     compared: BaselineComparison,
-    run: LoggedRun,
-    method: Method,
+    run: TrueRun,
+    method: Estimator,
     style: tuple[str, str],
     panels: tuple[Axes, Axes, Axes],
 ) -> None:
     floor, place, turn = panels
     colour, line = style
     estimate = compared.results[run.name, method.name].estimate
-    t_s = run.rows.t_ms[estimate.rows] / 1000
+    t_s = run.t_s[estimate.rows]
     off_m, off_rad = pose_errors(estimate, run.truth)
     look = {
         "color": colour,

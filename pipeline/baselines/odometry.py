@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
+from symolo.evaluation.estimate import Estimate
 
 
 def _estimate(knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:

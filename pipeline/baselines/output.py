@@ -6,23 +6,23 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate
+from pipeline.baselines.base import Method
 from pipeline.baselines.compare import BaselineComparison
-from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
 from pipeline.baselines.figure import figure
-from pipeline.baselines.runs import LoggedRun
+from pipeline.baselines.runs import TrueRun
 from symolo.core.arrays import Array
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.new_folder import new_folder
 from symolo.core.versions import versions
 from symolo.dataset.tables.rows import csv_bytes, heading
+from symolo.evaluation.errors import OVER_M, OVER_S, SHARE
+from symolo.evaluation.estimate import Estimate
+from symolo.evaluation.estimate_file import BASELINE_HEADER, ENTRIES
 
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
 
-_COVARIANCE = [(i, j) for i in range(3) for j in range(i, 3)]
-_ESTIMATE_HEADER = ("t", "x", "y", "theta", "x_x", "x_y", "x_theta", "y_y", "y_theta", "theta_theta")
-_ESTIMATE_DECIMALS = (0, 6, 6, 6, *[12] * len(_COVARIANCE))
+_ESTIMATE_DECIMALS = (0, 6, 6, 6, *[12] * len(ENTRIES))
 
 _COLUMNS = (
     ("ATE [mm]", "ate_m", 1e3, 1),
@@ -35,12 +35,14 @@ _COLUMNS = (
     (f"RPE {OVER_M:g} m [deg]", "rpe_per_m_rad", 180 / np.pi, 2),
     ("NEES", "nees", 1.0, 2),
     (f"in {SHARE:.0%}", "within", 1.0, 2),
+    ("coverage [%]", "coverage", 100.0, 0),
 )
 _ABOUT = """\
-Against the true poses; nothing is aligned, because every method knows the start. ATE is the root mean square over all
-poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided by its
-degrees of freedom: 1 where the stated covariance is consistent, more where the method is overconfident. "in 95%" is
-the share of poses whose truth lies in the method's own 95 % region.
+Against the true poses; the included methods are not aligned, because they know the start. ATE is the root mean square
+over all poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided
+by its degrees of freedom: 1 where the stated covariance is consistent, more where the method is overconfident. "in 95%"
+is the share of poses whose truth lies in the method's own 95 % region. Coverage is the share of the seconds of a run in
+which there is an estimate.
 """
 
 
@@ -64,10 +66,12 @@ def table(compared: BaselineComparison) -> str:
     accuracy = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
     slip_mm = f"{1e3 * compared.slip_m_sqrt_m:g} mm"
     slip = f"Its wheels are assumed to slip by {slip_mm} at random after 1 m."
-    lines += [f"The start pose of the robot is known {accuracy}. {slip}", ""]
+    if any(isinstance(method, Method) for method in compared.methods):
+        lines += [f"The start pose of the robot is known {accuracy}. {slip}", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
-    lines += ["", f"**Warning:** {compared.warning}."] if compared.warning else []
+    lines += ["", compared.conditions] if compared.conditions else []
+    lines += [line for warning in compared.warnings for line in ("", f"**Warning:** {warning}.")]
     lines += [
         "",
         "| run | method | " + " | ".join(head for head, *_ in _COLUMNS) + " |",
@@ -113,14 +117,17 @@ def numbers(compared: BaselineComparison) -> bytes:
             "seed": compared.seed,
             "slip_m_sqrt_m": compared.slip_m_sqrt_m,
             "start_sd": {"x_m": compared.start_sd[0], "y_m": compared.start_sd[1], "yaw_rad": compared.start_sd[2]},
-            **({"warning": compared.warning} if compared.warning else {}),
+            **({"own_estimates": compared.conditions} if compared.conditions else {}),
+            **({"warnings": list(compared.warnings)} if compared.warnings else {}),
         }
     )
 
 
-def estimate_csv(run: LoggedRun, estimate: Estimate) -> bytes:
-    """Return a CSV table: time [ms], x, y [m], theta [rad], and the upper triangle of the covariance."""
+def estimate_csv(run: TrueRun, estimate: Estimate) -> bytes:
+    """Return a CSV table: time [ms], x, y [m], theta [rad], and the upper triangle of a covariance that is stated."""
     yaw = heading(estimate.pose[:, 2], _ESTIMATE_DECIMALS[3])
-    covariance = [estimate.covariance[:, i, j] for i, j in _COVARIANCE]
-    columns: list[Array] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw, *covariance]
-    return csv_bytes(_ESTIMATE_HEADER, _ESTIMATE_DECIMALS, np.column_stack(columns))
+    columns: list[Array] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw]
+    if estimate.covariance is not None:
+        columns += [estimate.covariance[:, i, j] for i, j in ENTRIES]
+    count = len(columns)
+    return csv_bytes(BASELINE_HEADER[:count], _ESTIMATE_DECIMALS[:count], np.column_stack(columns))

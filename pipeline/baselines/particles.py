@@ -14,13 +14,14 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import logsumexp
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints, wrapped
+from symolo.evaluation.estimate import Estimate
 
 PARTICLES = 300
 RAYS = 6

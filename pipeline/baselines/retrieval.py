@@ -15,12 +15,13 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.optimize import root_scalar
 
-from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
-from pipeline.baselines.errors import nees, pose_errors
+from pipeline.baselines.base import NO_IMAGES, Method, TrainingRun
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import Ints, wrapped
+from symolo.evaluation.errors import nees, pose_errors
+from symolo.evaluation.estimate import Estimate
 
 CELL_PX = 4
 DIRECTIONS = 6

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,15 +22,36 @@ from pipeline.run_folder.stored_runs import (
     tables_of,
 )
 from pipeline.run_folder.stored_spec import read_simulated_spec
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import Recording
-from symolo.dataset.documents.metadata import METADATA
+from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import SIDE, SPEC
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.side_tables import TOF, WHEELS
 from symolo.exporters.export import open_release
 from symolo.reader.run import Run
+
+
+@dataclass(frozen=True)
+class TrueRun:
+    """What judges estimates in a run, whatever they were made from."""
+
+    name: str
+    rows: Rows
+    arena: Arena
+    """Shapes for the figure."""
+
+    @property
+    def t_s(self) -> Array:
+        """(N,), time of each row [s]."""
+        return self.rows.t_ms / 1000
+
+    @property
+    def truth(self) -> Array:
+        """(N, 3), x [m], y [m], yaw [rad] in W."""
+        return self.rows.pose
 
 
 @dataclass(frozen=True)
@@ -56,6 +78,10 @@ class LoggedRun:
         """(N, 3), x [m], y [m], yaw [rad] in W."""
         return self.rows.pose
 
+    @property
+    def true_run(self) -> TrueRun:
+        return TrueRun(self.name, self.rows, Arena.from_config(self.spec.arena))
+
     def knowledge(
         self, start_sd: Array, rng: np.random.Generator, slip_m_sqrt_m: float = SLIP_M_SQRT_M
     ) -> RobotKnowledge:
@@ -77,6 +103,9 @@ class LoggedRun:
         return TrainingRun(self.images, self.truth[self.images.rows]) if self.images else None
 
 
+RunOf = TypeVar("RunOf", TrueRun, LoggedRun)
+
+
 def open_runs(root: Path) -> tuple[LoggedRun, ...]:
     """Return all runs of a release, which is checked first, or of an output of `simulate`.
 
@@ -92,7 +121,25 @@ def open_runs(root: Path) -> tuple[LoggedRun, ...]:
     return tuple(_released(run) for run in open_release(root, None).runs)
 
 
-def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, ...]:
+def open_true_runs(root: Path) -> tuple[TrueRun, ...]:
+    """Return all runs of a release, which is checked first and may have been imported, or of an output of `simulate`.
+
+    Raises:
+        InputError: It is neither, or it is damaged.
+    """
+    if (root / METADATA).exists() or not simulated_folders(root):
+        runs = open_release(root, None).runs
+        return tuple(TrueRun(run.name, run.table, Arena.from_config(run.spec.arena)) for run in runs)
+    return tuple(run.true_run for run in open_runs(root))
+
+
+def is_imported(root: Path) -> bool:
+    """Return whether the runs of a release were imported, so that no method can localise in them."""
+    release = read_metadata(root)
+    return release is not None and any(run.is_imported for run in release.runs)
+
+
+def chosen(runs: Sequence[RunOf], pattern: str | None) -> tuple[RunOf, ...]:
     """Return the runs whose name matches a pattern, or all.
 
     Raises:

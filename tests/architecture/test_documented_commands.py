@@ -49,6 +49,7 @@ ELSEWHERE = {
     "found/extended.yaml": "likewise",
     "explained": "as it stands there, in tests/pipeline/diagnosing/test_own_effect_walk.py",
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
+    "mine=estimates": "needs the files of a program; tests/pipeline/baselines/test_own_estimates.py writes some",
     "model.npz": "needs PyTorch; tests/pipeline/baselines/learned/test_training.py trains one",
     "--together": "needs cases of one robot; tests/pipeline/diagnosing/test_diagnose.py makes some",
     "--like diagnosis --out data": "likewise; the diagnosis of that command",

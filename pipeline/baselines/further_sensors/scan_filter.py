@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.arena.rays import RayScene
-from pipeline.baselines.base import Estimate
 from pipeline.baselines.ekf import GATE
 from pipeline.baselines.further_sensors.scans import MatchedScan, ScanLog
 from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m
@@ -21,6 +20,7 @@ from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.tables.rows import Ints
+from symolo.evaluation.estimate import Estimate
 
 LASTING = STATES
 """Index of the lasting error of the sensor in the state."""

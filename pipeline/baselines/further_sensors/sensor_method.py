@@ -5,10 +5,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.further_sensors.readings import FurtherReadings
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.errors import InputError
+from symolo.evaluation.estimate import Estimate
 
 Log = TypeVar("Log")
 

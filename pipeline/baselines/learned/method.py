@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.baselines.base import NO_IMAGES, Estimate, Method, TrainingRun
+from pipeline.baselines.base import NO_IMAGES, Method, TrainingRun
 from pipeline.baselines.learned.heat_map import PoseLikelihood
 from pipeline.baselines.learned.model import LocalisationModel, arena_fingerprint, run_fingerprint
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
@@ -17,6 +17,7 @@ from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
+from symolo.evaluation.estimate import Estimate
 
 PARTICLES = 1000
 NO_MODEL = "there is no model: train one with `symolo train`, and name it with --model"

@@ -1,8 +1,7 @@
-"""Commands that inspect data or the machine: verify, compare, baselines, schema, doctor."""
+"""Commands that inspect data or the machine: verify, compare, schema, doctor."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import radians
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,13 +11,9 @@ from pipeline.commands.exit_codes import FAULTS, MACHINE_LACKS
 from pipeline.commands.options import (
     Dataset,
     Json,
-    NewFolder,
-    Runs,
-    Seed,
     Workers,
     checked_input,
     if_given,
-    names,
     new_file_check,
 )
 from symolo.core.errors import InputError, one_line
@@ -231,103 +226,6 @@ def compare(
     conclusion = Conclusion.of(results)
     typer.echo("\n".join((*comparison.other_lines, conclusion.text)))
     return conclusion.code
-
-
-def baselines(
-    folder: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DIR", callback=checked_input, help="A release, or an output folder of `symolo simulate`."
-        ),
-    ],
-    *,
-    out: NewFolder,
-    methods: Annotated[
-        str | None,
-        typer.Option(
-            "--methods",
-            metavar="NAMES",
-            help="Some of odometry,ekf,particles,retrieval,learned,ekf_imu,lidar,stereo; by default all that the data "
-            "allow.",
-        ),
-    ] = None,
-    model: Annotated[
-        Path | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL",
-            callback=if_given(checked_input),
-            help="Model of `symolo train`, which the method `learned` needs.",
-        ),
-    ] = None,
-    runs: Runs = None,
-    start_sd_cm: Annotated[
-        float,
-        typer.Option(min=0.01, max=100, metavar="CM", help="Standard deviation of the error of the start position."),
-    ] = 0.1,
-    start_sd_deg: Annotated[
-        float,
-        typer.Option(min=0.01, max=90, metavar="DEG", help="Standard deviation of the error of the start direction."),
-    ] = 0.1,
-    slip_mm: Annotated[
-        float,
-        typer.Option(
-            min=0.001,
-            max=100,
-            metavar="MM",
-            help="Random error of the distance that a wheel rolls, after 1 m, which the methods assume. "
-            "A diagnosis of drives prints that of the measured robot.",
-        ),
-    ] = 0.3,
-    seed: Seed = 1,
-) -> None:
-    """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
-
-    The methods get the sensor readings, the map and the start pose, but not the true poses. Robots with an IMU, a
-    lidar or a stereo pair have further methods. The command prints a table of the errors, and writes the table, all
-    errors as JSON, a plot, and the estimates. The same release gives the same bytes.
-
-    Example: symolo baselines data --out baselines --start-sd-cm 5 --start-sd-deg 5
-    """
-    import numpy as np
-
-    from pipeline.baselines import METHODS
-    from pipeline.baselines.compare import compare, methods_of, why_not
-    from pipeline.baselines.learned.method import overlap, with_model
-    from pipeline.baselines.learned.model import read_model
-    from pipeline.baselines.output import table, write
-    from pipeline.baselines.runs import chosen, open_runs
-    from symolo.core.errors import InputError
-    from symolo.core.files.new_folder import check_new
-    from symolo.core.progress import report_here
-
-    chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
-    check_new(out, folder)
-    all_runs = open_runs(folder)
-    localised = chosen(all_runs, runs)
-    warning = ""
-    if model is not None:
-        trained = read_model(model)
-        chosen_methods = with_model(chosen_methods, trained, localised)
-        warning = overlap(trained, localised)
-    for method in chosen_methods if methods is not None else ():
-        if why := why_not(method, all_runs):
-            raise InputError(f"--methods {method.name}: {why}", where=str(folder))
-    if warning:
-        typer.echo(f"warning: {warning}", err=True)
-    start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
-    compared = compare(
-        chosen_methods,
-        localised,
-        all_runs,
-        start_sd=start_sd,
-        slip_m_sqrt_m=slip_mm / 1000,
-        seed=seed,
-        report=report_here(),
-    )
-    compared = replace(compared, warning=warning)
-    write(compared, out)
-    typer.echo(table(compared) + f"\n{out}")
 
 
 class SchemaOf(TextEnum):

@@ -5,11 +5,11 @@ import pytest
 from scipy.stats import chi2
 
 from pipeline.baselines.ekf import LASTING_S, METHOD, updated
-from pipeline.baselines.errors import nees
 from pipeline.baselines.motion import SHARES_SD, WheelMotion
 from pipeline.baselines.range_model import LASTING_SD_M
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
 from sensors.wheels.odometry import Odometry
+from symolo.evaluation.errors import nees
 
 ROWS, WAY_M = 15, 0.004
 SENSOR_TO_WALL_M = 0.415

@@ -7,10 +7,10 @@ import pytest
 
 from configs.effects.robot_effects import RobotEffects
 from pipeline.baselines import ekf, odometry, particles
-from pipeline.baselines.errors import errors_of
 from symolo.core.random_streams import stream
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.side_tables import WHEELS
+from symolo.evaluation.errors import errors_of
 
 EXACT = np.array([0.001, 0.001, 0.002])
 HALF_LOST = np.array([0.05, 0.05, np.radians(5)])

@@ -23,7 +23,7 @@ ALL = [(page, command) for page in PAGES for command in COMMAND.findall(page.rea
 def at_work(dataset, tmp_path_factory):
     """A folder with the datasets of the pages, the places of the robot in `data`, and the scenarios of the pages."""
     folder = tmp_path_factory.mktemp("tutorial")
-    for name in ("data", "study", "before", "fast", "symolo-dataset"):
+    for name in ("data", "study", "before", "fast", "symolo-dataset", "worn"):
         shutil.copytree(dataset, folder / name)
     shutil.copytree(dataset / "CW/test_1", folder / "mystery/clockwise")
     (folder / "mystery/clockwise/side/spec.json").unlink()

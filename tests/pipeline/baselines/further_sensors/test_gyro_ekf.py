@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from pipeline.baselines.errors import nees
 from pipeline.baselines.further_sensors.gyro_ekf import BIAS, METHOD, GyroFilter
 from pipeline.baselines.further_sensors.imu_log import ImuLog
 from pipeline.baselines.further_sensors.readings import FurtherReadings
@@ -15,6 +14,7 @@ from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
 from sensors.inertial.imu import Accelerometer, Gyroscope, ImuSettings
 from sensors.inertial.inertial_errors import ErrorSizes
 from sensors.wheels.odometry import Odometry
+from symolo.evaluation.errors import nees
 
 NOISE, BIAS_SD = 3e-4, 0.005
 PERIOD_S, ROW_S = 0.01, 0.05

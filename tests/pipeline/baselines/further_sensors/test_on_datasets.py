@@ -10,11 +10,11 @@ from configs.effects.robot_effects import RobotEffects
 from configs.loader import load_scenario
 from pipeline.baselines import METHODS, odometry
 from pipeline.baselines.compare import why_not
-from pipeline.baselines.errors import errors_of
 from pipeline.baselines.further_sensors import gyro_ekf, lidar_matching, stereo_matching
 from pipeline.baselines.runs import LoggedRun, open_runs
 from pipeline.stages.simulate import simulate
 from symolo.core.random_streams import stream
+from symolo.evaluation.errors import errors_of
 
 EXACT = np.array([0.001, 0.001, 0.002])
 HALF_LOST = np.array([0.02, 0.02, np.radians(2)])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from pipeline.baselines.errors import nees
 from pipeline.baselines.further_sensors.lidar_log import LidarLog
 from pipeline.baselines.further_sensors.lidar_matching import scans_of
 from pipeline.baselines.further_sensors.scan_filter import matched
@@ -14,6 +13,7 @@ from pipeline.baselines.further_sensors.scans import MatchedScan, OdometryPath, 
 from pipeline.baselines.robot_knowledge import MAP_SD_M, Start
 from sensors.ranging.lidar import LidarSettings
 from symolo.arena.geometry import Box
+from symolo.evaluation.errors import nees
 
 HALF_M = np.array([1.5, 1.0])
 """Half the length and width of the room, whose middle is the origin."""

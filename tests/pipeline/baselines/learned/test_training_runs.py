@@ -50,6 +50,6 @@ def test_the_table_and_the_numbers_have_the_warning(runs):
     compared = compare([odometry.METHOD], runs, runs, start_sd=[0.001] * 3, seed=1, report=LineReport())
     assert "Warning" not in table(compared)
     assert b"warning" not in numbers(compared)
-    warned = replace(compared, warning="2 of these 2 runs trained the model")
+    warned = replace(compared, warnings=("2 of these 2 runs trained the model",))
     assert "**Warning:** 2 of these 2 runs trained the model." in table(warned)
     assert b"2 of these 2 runs trained the model" in numbers(warned)

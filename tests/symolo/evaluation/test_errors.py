@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from pipeline.baselines.base import Estimate
-from pipeline.baselines.errors import errors_of, nees, pairs_by_distance, pairs_by_time, pose_errors
+from symolo.evaluation.errors import errors_of, nees, pairs_by_distance, pairs_by_time, pose_errors
+from symolo.evaluation.estimate import Estimate
 
 T_S = np.arange(101) / 10
 

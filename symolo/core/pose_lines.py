@@ -8,7 +8,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.files.text_file import read_text
-from symolo.core.table import number
+from symolo.core.table import NO_NUMBER, number
 
 _PEEKED_BYTES = 4096
 
@@ -45,6 +45,8 @@ def read_pose_lines(path: Path, names: tuple[str, ...]) -> tuple[Array, list[int
         if len(cells) != len(names):
             cure = "the file is cut off: remove the row" if row == len(text.lines) else "repair or remove the row"
             raise InputError(f"{len(cells)} numbers", where=where, allowed=" ".join(names), cure=cure)
+        if any(NO_NUMBER.fullmatch(cell) for cell in cells):
+            raise InputError("a number that is missing", where=where, got=line.strip(), cure="remove the row")
         rows.append([number(cell, name, where) for cell, name in zip(cells, names, strict=True)])
         lines.append(row)
     if not rows:

@@ -2,18 +2,17 @@
 
 ATE and RPE are those of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, and of Zhang
 and Scaramuzza, "A tutorial on quantitative trajectory evaluation for visual(-inertial) odometry", IROS 2018, in the
-plane. Nothing is aligned: every method knows where it starts, so an alignment would only hide errors. NEES is that
-of Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4.
+plane. Nothing is aligned here. NEES is that of Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
+and Navigation, 2001, section 5.4.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
-from pipeline.baselines.base import Estimate
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints, wrapped
+from symolo.evaluation.estimate import Estimate
 
 OVER_S = 1.0
 """Time [s] between the poses of a pair."""
@@ -23,6 +22,8 @@ TOLERANCE = 0.1
 """Relative tolerance of the distance between the poses of a pair, as in evo."""
 SHARE = 0.95
 """Probability of the region of the estimates that is compared with the share of poses in it."""
+_REGION = 7.814727903251179
+"""Normalised square at the border of this region: quantile of chi-square with 3 degrees of freedom."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,15 @@ class Errors:
     rpe_per_m_m: float | None
     """Relative pose error [m] over one metre of the true path; None where no two poses are so far apart."""
     rpe_per_m_rad: float | None
-    nees: float
+    nees: float | None
     """Mean over the run divided by 3, its degrees of freedom: about 1 where the stated covariance is consistent,
-    more where the method is overconfident."""
-    within: float
-    """Share of the poses whose truth lies in the method's own 95 % region."""
+    more where the method is overconfident; None if the method states no covariance."""
+    within: float | None
+    """Share of the poses whose truth lies in the method's own 95 % region; None as above."""
+    poses: int
+    """Number of estimated poses."""
+    coverage: float
+    """Share of the seconds of the run in which there is an estimate."""
 
 
 def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
@@ -58,7 +63,7 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
     off_m, off_rad = pose_errors(estimate, truth)
     seconds = pairs_by_time(t_s[estimate.rows], OVER_S)
     metres = pairs_by_distance(true, OVER_M)
-    squares = nees(estimate, truth)
+    squares = None if estimate.covariance is None else nees(estimate, truth)
     return Errors(
         _rms(off_m),
         _rms(off_rad),
@@ -67,9 +72,22 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
         float(off_m[-1]),
         *_relative(true, estimated, seconds),
         *_relative(true, estimated, metres),
-        float(squares.mean() / 3),
-        float(np.mean(squares <= chi2.ppf(SHARE, 3))),
+        None if squares is None else float(squares.mean() / 3),
+        None if squares is None else float(np.mean(squares <= _REGION)),
+        len(estimated),
+        coverage(t_s[estimate.rows], t_s),
     )
+
+
+def coverage(estimated_s: Array, t_s: Array) -> float:
+    """Return the share of the seconds of a run with rows at the times (N,) in which there is an estimated time (M,)."""
+    return len(np.unique(_second(estimated_s, t_s))) / len(np.unique(_second(t_s, t_s)))
+
+
+def _second(times_s: Array, t_s: Array) -> Ints:
+    """Return the number of the second of the run in which each time lies; the end of the run is in its last second."""
+    seconds = np.floor(times_s - t_s[0] + 1e-9).astype(np.int64)
+    return np.minimum(seconds, max(int(np.ceil(t_s[-1] - t_s[0] - 1e-9)) - 1, 0))
 
 
 def pose_errors(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
@@ -82,7 +100,12 @@ def nees(estimate: Estimate, truth: Array) -> Array:
     """Return the normalised estimation error squared of each pose, (M,).
 
     It follows chi-square with 3 degrees of freedom where the covariance is consistent.
+
+    Raises:
+        ValueError: The estimate has no covariance.
     """
+    if estimate.covariance is None:
+        raise ValueError("an estimate without a covariance has no NEES")
     error = estimate.pose - truth[estimate.rows]
     error[:, 2] = wrapped(error[:, 2])
     return np.einsum("ij,ij->i", error, np.linalg.solve(estimate.covariance, error[..., None])[..., 0])

@@ -1,0 +1,1 @@
+"""Judgement of an estimated trajectory by the true poses of a run: `symolo.evaluate`; docs/baselines.md."""

@@ -1,0 +1,84 @@
+"""Estimated poses of the robot: at times of their own, and at rows of data.csv."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.dataset.tables.rows import Ints
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The poses that a method estimates at rows of a run."""
+
+    rows: Ints
+    """(M,), rows of data.csv with an estimate."""
+    pose: Array
+    """(M, 3), x [m], y [m], yaw [rad] in W."""
+    covariance: Array | None
+    """(M, 3, 3), covariance of the pose in W; None if the method states none."""
+
+    def __post_init__(self) -> None:
+        for array in (self.rows, self.pose, self.covariance):
+            if array is not None:
+                array.flags.writeable = False
+
+
+@dataclass(frozen=True)
+class EstimatedTrajectory:
+    """The poses that a method estimates, at times of its own; anything that NumPy takes for an array may be given.
+
+    Raises:
+        InputError: Shapes do not agree, a number is not finite, times do not increase, or a covariance is none.
+    """
+
+    t_s: Array
+    """(N,), increasing, since the first row of the run."""
+    pose: Array
+    """(N, 3), x [m], y [m], yaw [rad, wrapped or not] of the robot in W."""
+    covariance: Array | None = None
+    """(N, 3, 3), covariance of the pose in W; None if the method states none."""
+
+    def __post_init__(self) -> None:
+        count = np.size(self.t_s)
+        shapes = {"t_s": (count,), "pose": (count, 3), "covariance": (count, 3, 3)}
+        for name, shape in shapes.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _checked(name, getattr(self, name), shape))
+        if not count:
+            raise InputError("an estimate without poses", cure="give at least one pose")
+        late = np.flatnonzero(np.diff(self.t_s) <= 0.0)
+        if len(late):
+            i = int(late[0]) + 1
+            what = f"t_s: time {i}, {self.t_s[i]:.9g} s, is not after {self.t_s[i - 1]:.9g} s"
+            raise InputError(what, cure="sort the poses by time, each time once")
+        if self.covariance is not None and (i := first_impossible(self.covariance)) is not None:
+            raise InputError(f"covariance {i} is none", got=self.covariance[i].tolist(), allowed=COVARIANCE_ALLOWED)
+
+
+COVARIANCE_ALLOWED = "a symmetric matrix with positive eigenvalues"
+
+
+def first_impossible(covariance: Array) -> int | None:
+    """Return the index of the first matrix of (N, 3, 3) that is no covariance of a pose; None if there is none."""
+    is_symmetric = np.isclose(covariance, covariance.transpose(0, 2, 1), rtol=1e-6, atol=1e-15).all(axis=(1, 2))
+    wrong = np.flatnonzero(~is_symmetric | (np.linalg.eigvalsh(covariance)[:, 0] <= 0.0))
+    return int(wrong[0]) if len(wrong) else None
+
+
+def _checked(name: str, values: Array, shape: tuple[int, ...]) -> Array:
+    """Return a copy that nobody can change, of this shape and with finite numbers."""
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(name, got=values, allowed=f"numbers of the shape {shape}") from None
+    if array.shape != shape:
+        raise InputError(f"{name}: the shape {array.shape}", allowed=f"{shape}, as there are {shape[0]} times")
+    if not np.isfinite(array).all():
+        i = int(np.argwhere(~np.isfinite(array))[0][0])
+        what = f"{name}: pose {i} has a number that is not finite"
+        raise InputError(what, cure="leave out the times without an estimate")
+    array.flags.writeable = False
+    return array
