@@ -8,7 +8,7 @@ from symolo.core.errors import InputError
 from symolo.core.files.plain_files import check_folders
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA
-from symolo.dataset.layout import DATA, STAGES
+from symolo.dataset.layout import DATA, SPEC, STAGES
 from symolo.exporters.export import open_release
 from symolo.reader.dataset import Dataset, load
 from symolo.reader.run import Run
@@ -52,11 +52,14 @@ def checked_runs(root: Path, pattern: str | None) -> Iterator[Dataset]:
 
 
 def failed_runs_note(data: Dataset) -> str:
-    """Return a line on the runs that failed, which a release does not contain; empty if there are none."""
+    """Return lines on the runs that failed, which a release does not contain; empty if there are none."""
+    shown = set(data.failures) & {run.name for run in data}
+    lines = [f"{run} failed: {data.failures[run]}" for run in sorted(shown)]
     failed = [one.run for one in data.metadata.failed_runs] if data.metadata else []
-    if not failed:
-        return ""
-    return f"not shown, because failed runs are not released: {', '.join(failed)}; see `symolo status {data.root}`"
+    if failed:
+        reason = "not shown, because failed runs are not released"
+        lines.append(f"{reason}: {', '.join(failed)}; see `symolo status {data.root}`")
+    return "\n".join(lines)
 
 
 def _is_unreleased(root: Path) -> bool:
@@ -71,11 +74,29 @@ def _unreleased(root: Path, pattern: str | None) -> Iterator[Dataset]:
     from pipeline.run_folder.stored_runs import trajectory_folders  # noqa: PLC0415
     from pipeline.run_folder.unreleased import unreleased  # noqa: PLC0415
 
-    folders = [root] if STAGES in root.absolute().parts else trajectory_folders(root)
+    folders = [_run_in_stages(root)] if STAGES in root.absolute().parts else trajectory_folders(root)
     if not folders:
         raise InputError("holds no simulated run", where=str(root), cure="wait until the first run is simulated")
     with unreleased(folders) as data:
         yield data.matching(pattern)
+
+
+def _run_in_stages(folder: Path) -> Path:
+    """Return a folder within `.stages`, which must be that of a simulated run.
+
+    Raises:
+        InputError: It is another one.
+    """
+    parts = folder.absolute().parts
+    within = parts[parts.index(STAGES) + 1 :]
+    if len(within) == 3 and within[0] == "simulate":
+        return folder
+    above = folder
+    while STAGES in above.absolute().parts:
+        above = above.parent
+    first = next(iter(sorted((above / STAGES / "simulate").glob(f"*/*/{SPEC}"))), None)
+    cure = f"name {above}" + (f", or a run such as {first.parent}" if first else "")
+    raise InputError("is no simulated run", where=str(folder), cure=cure)
 
 
 def _several(root: Path) -> tuple[Run, ...]:

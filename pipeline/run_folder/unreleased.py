@@ -13,6 +13,7 @@ from pipeline.run_folder.stored_spec import read_simulated_spec, read_spec
 from pipeline.stages.run_tables import is_external, stage_rows, stage_tables, tables
 from pipeline.stages.simulate_runs import read_outcome
 from sensors.build import listed_sensors
+from symolo.core.errors import one_line
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.scratch_folders import scratch_folder
 from symolo.core.time_series import Recording
@@ -38,7 +39,7 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
         InputError: A file of a run is missing or damaged.
     """
     with scratch_folder() as scratch:
-        runs, records, specs, columns = [], [], [], HEADER
+        runs, records, specs, columns, failures = [], [], [], HEADER, {}
         for folder in folders:
             images = _rendered_images(folder)
             spec, rows, files = _taken(folder, images) if is_external(folder) else _simulated(folder, images)
@@ -47,13 +48,15 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
             sensor_tables = tuple(sensor.table for sensor in _sensors(spec))
             runs.append(Run(scratch / run_name(folder), run_name(folder), sensor_tables, images))
             outcome = read_outcome(folder)
+            if outcome.problems:
+                failures[run_name(folder)] = one_line("; ".join(outcome.problems))
             warnings = (*outcome.problems, *outcome.warnings)
             records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings))
             specs.append(spec)
         description = "Runs whose images are being rendered" if is_external(folders[0]) else "Simulated runs"
         sensors = _sensors(specs[0])
         metadata = describe({"description": description}, specs, records, (), sensors, columns_of_data=columns)
-        yield Dataset(scratch, metadata, tuple(runs))
+        yield Dataset(scratch, metadata, tuple(runs), failures)
 
 
 def _simulated(folder: Path, images: Path) -> tuple[SceneSpec, Rows, dict[str, bytes]]:

@@ -71,10 +71,10 @@ def _drawn(cell: Cell, width_px: int) -> Pixels:
     height_px = round(cell.image.shape[0] * width_px / cell.image.shape[1])
     method = cv2.INTER_AREA if width_px < cell.image.shape[1] else cv2.INTER_NEAREST
     small = np.asarray(cv2.resize(cell.image, (width_px, height_px), interpolation=method), np.uint8)
-    return np.concatenate((small, *(_text(line, width_px) for line in cell.lines)))
+    return np.concatenate((small, *(text_line(line, width_px) for line in cell.lines)))
 
 
-def _text(line: str, width_px: int) -> Pixels:
+def text_line(line: str, width_px: int) -> Pixels:
     """Return a line of white text on black, in a smaller font if it would be too long."""
     strip = np.zeros((LINE_PX, width_px, 3), np.uint8)
     (length_px, _), _ = cv2.getTextSize(line, _FONT, _SCALE, 1)

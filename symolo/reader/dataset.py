@@ -1,8 +1,8 @@
 """A released dataset or one run of it, for users and exporters."""
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -34,6 +34,8 @@ class Dataset:
     metadata: Metadata | None
     """Content of metadata.json; None for a run that was named by its own folder."""
     runs: tuple[Run, ...]
+    failures: Mapping[str, str] = field(default_factory=dict)
+    """Why a run failed, by its name: runs that are not released yet are loaded with those that failed."""
 
     def __repr__(self) -> str:
         return f"Dataset({str(self.root)!r}, {plural(len(self.runs), 'run')})"

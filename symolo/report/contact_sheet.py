@@ -6,7 +6,7 @@ import numpy as np
 
 from symolo.core.errors import InputError
 from symolo.dataset.layout import DATA, IMAGES
-from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
+from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked, text_line
 from symolo.playback.from_run import playback_of
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -27,6 +27,8 @@ def contact_sheet(data: Dataset, per_run: int, width_px: int) -> Pixels:
     rows: list[Pixels] = []
     for run, chosen in zip(data, moments, strict=True):
         rows.append(row(_cells(fresh(run), chosen, width_px), width_px))
+        if failure := data.failures.get(run.name):
+            rows.append(text_line(f"{run.name} failed: {failure}", rows[-1].shape[1]))
         check_side("high", sum(row.shape[0] for row in rows), "--width-px, or name a single run")
     return stacked(rows)
 

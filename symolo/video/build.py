@@ -54,7 +54,8 @@ class Video:
         """
         name = data.title
         self.settings = settings
-        self._scenes = [_scene(run, name, settings) for run in spread(data.runs, settings.max_runs)]
+        shown = spread(data.runs, settings.max_runs)
+        self._scenes = [_scene(run, name, settings, data.failures.get(run.name, "")) for run in shown]
         self._ends = list(accumulate(len(scene.times_s) for scene in self._scenes))
         self._drawn: tuple[int, RunFrames] | None = None
 
@@ -96,7 +97,8 @@ class Video:
         return self._drawn[1].at(scene.times_s[index - self._ends[number]])
 
 
-def _scene(run: Run, name: str, settings: VideoSettings) -> _Scene:
+def _scene(run: Run, name: str, settings: VideoSettings, failure: str) -> _Scene:
+    title = f"{name}: {run.name}" if name != run.name else name
     times = times_s(fresh(run).t_s, float(settings.fps), settings.speed)
     pause: Sequence[float] = [times[-1]] * round(_PAUSE_S * settings.fps)
-    return _Scene(run, f"{name}: {run.name}" if name != run.name else name, (*times, *pause))
+    return _Scene(run, f"{title}, failed: {failure}" if failure else title, (*times, *pause))

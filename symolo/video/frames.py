@@ -118,9 +118,12 @@ class RunFrames:
 
     def _write_header(self, canvas: Canvas, t_s: float) -> None:
         size_px = 1.25 * self._text_px
-        canvas.text(self._title, 0, size_px, size_px)
-        clock = f"{t_s:.1f} s"
-        canvas.text(clock, canvas.pixels.shape[1] - text_width(clock, size_px), size_px, size_px)
+        clock, width_px = f"{t_s:.1f} s", canvas.pixels.shape[1]
+        clock_px = text_width(clock, size_px)
+        free_px = width_px - clock_px - 2 * size_px
+        title_px = size_px * min(1.0, free_px / max(text_width(self._title, size_px), 1.0))
+        canvas.text(self._title, 0, size_px, title_px)
+        canvas.text(clock, width_px - clock_px, size_px, size_px)
 
 
 class _CameraPicture:

@@ -61,7 +61,9 @@ def view_page(data: Dataset, limits: ViewLimits, report: Report) -> ViewPage:
     runs = []
     with report.stage("view", len(shown), "runs") as stage:
         for number, run in enumerate(shown, start=1):
-            runs.append(_run(playback_of(fresh(run)), per_run, limits.max_width_px))
+            shown_run = _run(playback_of(fresh(run)), per_run, limits.max_width_px)
+            failure = data.failures.get(run.name)
+            runs.append(shown_run | ({"failure": failure} if failure else {}))
             stage.update("all", number)
     images = sum(len(camera["t"]) for run in runs for camera in run["cameras"])
     html = render_page(

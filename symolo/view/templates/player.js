@@ -22,13 +22,13 @@ class Player {
     this.data = data;
     this.colours = new Colours(data.states);
     this.parts = Object.fromEntries(
-      ["runs", "cameras", "map", "plots", "now", "play", "time", "clock", "speed"].map((id) => [id, document.getElementById(id)]),
+      ["runs", "cameras", "map", "plots", "now", "play", "time", "clock", "speed", "failure"].map((id) => [id, document.getElementById(id)]),
     );
     this.map = new FloorMap(this.parts.map, this.colours);
     this.plots = [];
     this.t = 0;
     this.playing = false;
-    for (const [i, run] of data.runs.entries()) this.parts.runs.append(new Option(run.name, i));
+    for (const [i, run] of data.runs.entries()) this.parts.runs.append(new Option(run.failure ? `${run.name} (failed)` : run.name, i));
     this.connect();
     this.fromAddress();
   }
@@ -50,6 +50,8 @@ class Player {
     this.run = this.data.runs[index];
     this.parts.runs.value = String(index);
     this.parts.time.max = this.run.t.length - 1;
+    this.parts.failure.hidden = !this.run.failure;
+    this.parts.failure.textContent = this.run.failure ? `This run failed: ${this.run.failure}` : "";
     this.cameras = this.run.cameras.map((camera) => this.camera(camera));
     this.parts.cameras.replaceChildren(...this.cameras.map(({ figure }) => figure));
     document.body.classList.toggle("blind", this.cameras.length === 0);

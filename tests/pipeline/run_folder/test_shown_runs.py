@@ -2,12 +2,16 @@
 
 import json
 import shutil
+from fractions import Fraction
 
+import cv2
 import pytest
 
 from pipeline.run_folder.shown_runs import checked_runs, shown_runs
 from symolo.core.errors import InputError
+from symolo.pages.sheet import LINE_PX
 from symolo.reader.dataset import load
+from symolo.video.build import Video, VideoSettings
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +78,25 @@ def test_a_run_that_failed_is_shown_with_its_problem(simulated, tmp_path):
     assert warnings == {"CW/test_1": ["hit the wall A2 at 0.9 s"], "CCW/test_1": []}
 
 
+def test_what_shows_a_run_that_failed_states_why(simulated, symolo, tmp_path):
+    root = shutil.copytree(simulated, tmp_path / "failed")
+    outcome = root / ".stages/simulate/CW/test_1/outcome.json"
+    outcome.write_text(json.dumps(json.loads(outcome.read_text()) | {"problems": ["hit the wall A2 at 0.9 s"]}))
+    page, sheet = tmp_path / "page.html", tmp_path / "sheet.png"
+    ended = symolo("view", root, "--out", page)
+    assert ended.out.endswith("CW/test_1 failed: hit the wall A2 at 0.9 s\n")
+    assert page.read_text().count('"failure":"hit the wall A2 at 0.9 s"') == 1
+    assert symolo("contact-sheet", root, "--out", sheet, "--per-run", 2).out.endswith("wall A2 at 0.9 s\n")
+    plain = tmp_path / "plain.png"
+    assert symolo("contact-sheet", simulated, "--out", plain, "--per-run", 2).code == 0
+    # The row of the failed run is one line of text higher.
+    assert cv2.imread(str(sheet)).shape[0] == cv2.imread(str(plain)).shape[0] + LINE_PX
+    with shown_runs(root) as data:
+        titles = {scene.run.name: scene.title for scene in Video(data, VideoSettings(320, Fraction(1), 1.0, 9))._scenes}
+    assert titles["CW/test_1"].endswith("CW/test_1, failed: hit the wall A2 at 0.9 s")
+    assert titles["CCW/test_1"].endswith("CCW/test_1")
+
+
 def test_failed_runs_of_a_release_are_named_by_what_shows_its_runs(dataset, copy_of, symolo, tmp_path):
     root = copy_of(dataset)
     path = root / "metadata.json"
@@ -89,6 +112,12 @@ def test_failed_runs_of_a_release_are_named_by_what_shows_its_runs(dataset, copy
             options = ("--max-runs", 1, "--fps", 1, "--width-px", 320) if command == "video" else ()
             ended = symolo(command, folder, "--out", tmp_path / f"{folder.parent.name}-{out}", *options)
             assert (ended.code, ended.out.endswith(note)) == (0, is_named), ended.err
+
+
+def test_a_folder_above_a_simulated_run_is_refused_with_both_places(simulated, symolo, tmp_path):
+    place = simulated / ".stages/simulate"
+    ended = symolo("view", place, "--out", tmp_path / "view.html")
+    assert f"{place}: is no simulated run; name {simulated}, or a run such as {place}/CCW/test_1" in ended.err
 
 
 def test_a_report_takes_checked_releases_and_simulated_runs_only(dataset, simulated, copy_of, symolo, tmp_path):
@@ -110,7 +139,9 @@ def test_what_holds_no_run_is_refused(tmp_path, symolo):
     for folder, what in (
         (out, "holds no simulated run"),
         (tmp_path / "none", "no such folder"),
-        (out / ".stages/render/CW/test_1", "cannot be read"),
+        (out / ".stages/simulate", f"is no simulated run; name {out}"),
+        (out / ".stages/render/CW/test_1", f"is no simulated run; name {out}"),
+        (out / ".stages/simulate/CW/test_1", "cannot be read"),
     ):
         ended = symolo("view", folder, "--out", tmp_path / "view.html")
         assert (ended.code, ended.err.count("\n")) == (2, 1)
