@@ -8,7 +8,7 @@ from pathlib import Path
 from pipeline.baselines.base import Estimator
 from pipeline.baselines.runs import TrueRun
 from symolo.core.errors import FaultList, InputError, nearest
-from symolo.evaluation.alignment import Align
+from symolo.evaluation.align import Align
 from symolo.evaluation.association import MAX_GAP_S
 from symolo.evaluation.estimate_file import ENDINGS, read_estimate
 from symolo.evaluation.evaluate import Evaluation, evaluate_against

@@ -6,16 +6,8 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.text_enum import TextEnum
+from symolo.evaluation.align import Align
 from symolo.evaluation.estimate import Estimate
-
-
-class Align(TextEnum):
-    """Alignments of estimates with the true poses."""
-
-    NONE = "none"
-    SE2 = "se2"
-    START = "start"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
-from symolo.evaluation.alignment import Align, Movement, alignment
+from symolo.evaluation.align import Align
+from symolo.evaluation.alignment import Movement, alignment
 from symolo.evaluation.association import MAX_GAP_S, associated
 from symolo.evaluation.errors import Errors, errors_of
 from symolo.evaluation.estimate import Estimate, EstimatedTrajectory

@@ -8,7 +8,7 @@ import typer
 
 from pipeline.commands.options import NewFolder, Runs, Seed, checked_input, if_given, names
 from symolo.core.errors import InputError
-from symolo.evaluation.alignment import Align
+from symolo.evaluation.align import Align
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
