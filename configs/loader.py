@@ -10,7 +10,7 @@ from typing import Any
 
 from configs.arena_shapes.line_course import with_course
 from configs.arena_shapes.polygons import with_polygons
-from configs.assets.folder import with_assets
+from configs.assets.folder import fields_with_files, with_assets
 from configs.assets.meshes import with_meshes
 from configs.checks.scenario import (
     check_arena,
@@ -33,7 +33,15 @@ from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
 from configs.validation.shapes import Shape, with_defaults
-from configs.validation.values import FieldDistribution, distributions_of, probes, validated
+from configs.validation.values import (
+    FieldDistribution,
+    all_faults,
+    distributions_of,
+    probes,
+    validated,
+    with_independent,
+)
+from symolo.core.errors import InputError, apart, together
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 
@@ -157,11 +165,44 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     Raises:
         InputError: Something is wrong; nothing has been drawn yet.
     """
-    root = read_file("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
+    failed: list[tuple[str, InputError]] = []
+    path = locate("scenario", name_or_path, folder=Path(), what="scenario")
+    root = read_file("scenario", path, failed=failed)
+    if failed:
+        raise together(_with_faults_elsewhere(root, failed))
     root = with_posterior(_overridden(root, Scenario, overrides))
     root = with_defaults(with_chosen(root), Shape.of(Scenario))
-    root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(Scenario))
+    root, assets = _with_files(with_course(with_polygons(root)), Scenario)
     return _checked(root, assets)
+
+
+def _with_faults_elsewhere(root: Node, failed: Sequence[tuple[str, InputError]]) -> list[InputError]:
+    """Return the faults of sections that could not be loaded, and those of the rest of the scenario."""
+    try:
+        root = with_defaults(with_chosen(with_posterior(_completed(root, Scenario))), Shape.of(Scenario))
+        others = all_faults(with_meshes(with_course(with_polygons(root))), Scenario)
+    except InputError as error:
+        others = apart(error)
+    sections = {section for section, _ in failed}
+    # Files of the look are read once everything is loaded, so nobody knows which names of files are right.
+    left_out = fields_with_files(Shape.of(Scenario)) if root.place_of(("look", "assets")) else frozenset()
+    others = [one for one in others if one.field.partition(".")[0] not in sections and one.field not in left_out]
+    return [*(fault for _, error in failed for fault in apart(error)), *others]
+
+
+def _with_files(root: Node, model: type[Section]) -> tuple[Node, Mapping[str, Path]]:
+    """Return a tree with the files that it names described by their content, and their paths by SHA-256.
+
+    Raises:
+        InputError: A file cannot be used; faults of fields that name no file are reported, too.
+    """
+    root = with_meshes(root)
+    try:
+        return with_assets(root, Shape.of(model))
+    except InputError as error:
+        left_out = fields_with_files(Shape.of(model))
+        others = [fault for fault in all_faults(root, model) if fault.field not in left_out]
+        raise together(with_independent(apart(error), others)) from None
 
 
 def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
@@ -224,7 +265,7 @@ def section_of(kind: str, settings: Mapping[str, Any], where: str, overrides: Se
 def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSection:
     model = ALONE[kind]
     root = _overridden(Node({kind: node}, node.where), model, overrides)
-    root, assets = with_assets(with_meshes(with_course(with_polygons(root))), Shape.of(model))
+    root, assets = _with_files(with_course(with_polygons(root)), model)
     distributions = distributions_of(root, model)
     for values in probes(distributions):
         _CHECKS[kind](getattr(validated(root, model, values), kind), root)

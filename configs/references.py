@@ -72,14 +72,17 @@ def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
     return close if close in names or not close else str(Path(reference).with_name(beside[close]))
 
 
-def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
+def read_file(
+    kind: str, path: Path, chain: tuple[Path, ...] = (), failed: list[tuple[str, InputError]] | None = None
+) -> Node:
     """Return the tree of a file with `extends:` and, for a scenario, named sections resolved.
 
-    A scenario that extends another one and has no name is named after its file.
+    A scenario that extends another one and has no name is named after its file. Sections of a scenario that cannot be
+    resolved stay as they are, and are added to `failed`; without such a list, the first one ends with its error.
     """
     prefix = () if kind == "scenario" else (kind,)
     written = read_yaml(path).root
-    root = resolve(kind, written, path.parent, (*chain, path.resolve()), prefix)
+    root = resolve(kind, written, path.parent, (*chain, path.resolve()), prefix, failed=failed)
     if kind != "scenario" or root.child("name") or not written.child("extends"):
         return root
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-_") or kind
@@ -87,17 +90,20 @@ def read_file(kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
     return Node({**fields, "name": Node(name, written.where)}, root.where)
 
 
-def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()) -> Node:
-    """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
+def resolve(
+    kind: str,
+    root: Node,
+    folder: Path,
+    chain: tuple[Path, ...] = (),
+    prefix: FieldPath = (),
+    *,
+    failed: list[tuple[str, InputError]] | None = None,
+) -> Node:
+    """Return a mapping merged over what it extends; relative paths in it start at `folder`; `failed` as above."""
     root = _anchored(kind, root, folder)
     root = with_camera(root, folder) if kind == "look" else root
     fields = {str(key): node for key, node in root.children()}
-    complete = set()
-    if kind == "scenario":
-        for section in SECTIONS:
-            if section in fields:
-                fields[section], is_complete = resolve_section(section, fields[section], folder)
-                complete |= {section} if is_complete else set()
+    complete = _resolve_sections(fields, folder, failed) if kind == "scenario" else set()
     base, scale = fields.pop("extends", None), fields.pop("scale", None)
     if base is None and scale is not None:
         raise InputError("scale", where=scale.where, cure=f"name the {kind} that it scales: extends: ...")
@@ -114,12 +120,29 @@ def resolve(kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), p
         turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
         cure = "remove one of these 'extends:'"
         raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
-    beneath = scaled(kind, read_file(kind, path, chain), scale)
+    beneath = scaled(kind, read_file(kind, path, chain, failed), scale)
     # A section that is complete by itself replaces the inherited one; any other is merged over it field by field.
     complete |= _TEXTS if kind == "scenario" else set()
     inherited = {str(key): node for key, node in beneath.children() if key not in complete}
     base_node, over = Node(inherited, beneath.where), Node(fields, root.where)
     return with_files_of_both(base_node, over, merge(base_node, over)) if kind == "robot" else merge(base_node, over)
+
+
+def _resolve_sections(fields: dict[str, Node], folder: Path, failed: list[tuple[str, InputError]] | None) -> set[str]:
+    """Resolve the sections among the fields of a scenario, and return those that are then complete."""
+    complete = set()
+    for section in SECTIONS:
+        if section not in fields:
+            continue
+        try:
+            fields[section], is_complete = resolve_section(section, fields[section], folder)
+        except InputError as error:
+            if failed is None:
+                raise
+            failed.append((section, error))
+            is_complete = True
+        complete |= {section} if is_complete else set()
+    return complete
 
 
 def _anchored(kind: str, node: Node, folder: Path) -> Node:

@@ -53,6 +53,14 @@ def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
     return Node({**root.value, "look": Node(fields, look.where)}, root.where), folder.places
 
 
+def fields_with_files(shape: Shape) -> frozenset[str]:
+    """Return the field paths of a look whose value may be the name of a file, and that of the folder."""
+    inner = shape.child("look")
+    shapes = {path: inner.at(path, Node({}, "")) for path in inner.paths()} if inner else {}
+    fields = {dotted(("look", *path)) for path, leaf in shapes.items() if leaf is not None and FILE_KEY in leaf.schema}
+    return frozenset({dotted(_FOLDER), *fields})
+
+
 def _named(look: Node, shape: Shape) -> Iterator[tuple[FieldPath, AssetKind, tuple[str, ...], Node]]:
     """Yield the fields of the look that take a file: path, kind, shipped names, and the node."""
     inner = shape.child("look")

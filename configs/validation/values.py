@@ -1,6 +1,6 @@
 """Validation of a tree of values and distributions against the schema; all faults are reported, one line each."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ from configs.robot_sensors import KNOWN_ONLY
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
-from symolo.core.errors import FaultList, InputError, together
+from symolo.core.errors import FaultList, InputError, apart, together
 from symolo.core.yaml.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, Values, dotted
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -54,14 +54,52 @@ def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Fiel
     """Return the distributions of a tree by path, after a check of their places and kinds.
 
     Raises:
-        InputError: Distributions are malformed, or their fields take none.
+        InputError: Distributions are malformed, or their fields take none; faults of other fields are named, too.
     """
+    distributions, faults = _parsed_distributions(root, model)
+    if faults:
+        raise together(with_independent(faults, _schema_faults(root, model, distributions)))
+    return dict(sorted(distributions.items(), key=lambda item: dotted(item[0])))
+
+
+def all_faults(root: Node, model: type[BaseModel]) -> list[InputError]:
+    """Return the faults of distributions and values, each alone; contradictions between fields are not among them."""
+    distributions, faults = _parsed_distributions(root, model)
+    return with_independent(faults, _schema_faults(root, model, distributions))
+
+
+def with_independent(faults: Sequence[InputError], others: Sequence[InputError]) -> list[InputError]:
+    """Return faults with those of the others that are about other fields, and not above or below theirs."""
+    fields = [f"{fault.field}." for fault in faults]
+    return [
+        *faults,
+        *(other for other in others if not any(_is_within(f"{other.field}.", field) for field in fields)),
+    ]
+
+
+def _is_within(a: str, b: str) -> bool:
+    return a.startswith(b) or b.startswith(a)
+
+
+def _parsed_distributions(
+    root: Node, model: type[BaseModel]
+) -> tuple[dict[FieldPath, FieldDistribution], list[InputError]]:
     faults, distributions = FaultList(), {}
     for path, node, shape in _distributions(root, Shape.of(model), ()):
         with faults.noted():
             distributions[path] = _field_distribution(node, shape, path)
-    faults.check()
-    return dict(sorted(distributions.items(), key=lambda item: dotted(item[0])))
+    return distributions, faults.faults
+
+
+def _schema_faults(
+    root: Node, model: type[BaseModel], distributions: Mapping[FieldPath, FieldDistribution]
+) -> tuple[InputError, ...]:
+    """Return the faults of a tree whose distributions have their lowest values."""
+    try:
+        validated(root, model, next(probes(distributions)))
+    except InputError as error:
+        return apart(error)
+    return ()
 
 
 def probes(distributions: Mapping[FieldPath, FieldDistribution]) -> Iterator[Values]:
@@ -108,9 +146,8 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
         return
     tag = node.child(shape.tag_key)
     if tag is not None and tag.is_distribution:
-        what, allowed = dotted((*path, shape.tag_key)), f"one of {', '.join(shape.tags)}"
-        cure = "no distribution is allowed here, because the other fields depend on it"
-        raise InputError(what, where=tag.where, got=tag.plain(), allowed=allowed, cure=cure)
+        yield path, node, shape
+        return
     for key, child in node.children():
         inner = shape.child(key, node)
         if inner is not None:
@@ -118,6 +155,11 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
 
 
 def _field_distribution(node: Node, shape: Shape, path: FieldPath) -> FieldDistribution:
+    tag = node.child(shape.tag_key) if shape.tag_key else None
+    if tag is not None and tag.is_distribution:
+        what, allowed = dotted((*path, shape.tag_key)), f"one of {', '.join(shape.tags)}"
+        cure = "no distribution is allowed here, because the other fields depend on it"
+        raise InputError(what, where=tag.where, got=tag.plain(), allowed=allowed, cure=cure)
     refusal = partial(InputError, dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
     names = f"it replaces one value; entries, such as sensors, cannot be named {', '.join(DISTRIBUTION_KINDS)}"
     reason = shape.not_drawn if shape.is_leaf else names

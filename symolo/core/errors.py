@@ -27,6 +27,9 @@ class InputError(Exception):
         allowed: What may stand there, in words.
         nearest: The permitted name that is closest to the one given.
         cure: What to do about it.
+
+    Attributes:
+        field: What is wrong, up to its first colon: the field path in a configuration.
     """
 
     def __init__(
@@ -37,6 +40,7 @@ class InputError(Exception):
             head += f": got {shown(got)}"
         if allowed:
             head += f"{';' if got is ... else ','} allowed: {allowed}"
+        self.field = what.partition(":")[0]
         tail = [f"did you mean {nearest}"] if nearest else []
         super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
 
@@ -55,7 +59,7 @@ class FaultsError(InputError):
     """
 
     def __init__(self, faults: Sequence[InputError]) -> None:
-        self.faults = tuple(faults)
+        self.faults, self.field = tuple(faults), ""
         lines = [f"{len(faults)} faults:", *(f"  {fault}" for fault in faults[:_MAX_LISTED])]
         more = len(faults) - _MAX_LISTED
         Exception.__init__(self, "\n".join([*lines, *([f"  and {more} more"] if more > 0 else [])]))
@@ -85,6 +89,11 @@ class FaultList:
         """Raise InputError if there is a fault."""
         if self.faults:
             raise together(self.faults)
+
+
+def apart(error: InputError) -> tuple[InputError, ...]:
+    """Return the faults of an error, of which there may be one."""
+    return error.faults if isinstance(error, FaultsError) else (error,)
 
 
 def together(faults: Sequence[InputError]) -> InputError:

@@ -2,9 +2,12 @@
 
 import re
 
+import cv2
+import numpy as np
 import pytest
 
 from configs.loader import load_scenario
+from configs.references import shipped_names
 from symolo.core.errors import FaultsError, InputError
 
 FILE = """\
@@ -79,6 +82,88 @@ def test_contradictions_are_reported_together(faults):
     )
     paths = {re.match(r"line \d+: ([\w.]+):", line).group(1) for line in lines}
     assert {"robot.tof.period_s", "routes.1.name", "routes.0.start"} <= paths
+
+
+def test_all_faults_of_the_text_are_reported_together(faults):
+    lines = faults(
+        "extends: smoke\nname: a\nname: b\n"
+        "stop: {time_limit_s: .nan}\n"
+        "seed: &seed 3\n"
+        "render: {samples: *seed, samples: 1, width_px: !!int 64}\n"  # the alias belongs to the anchor
+        "routes:\n"
+        "  - {name: CW, start: {x_m: .inf, y_m: -0.2, yaw_deg: 1e999}, runs: 1}\n"
+    )
+    places = sorted(re.match(r"line (\d+): ([\w.]+):", line).groups() for line in lines)
+    assert places == [
+        ("3", "name"),
+        ("4", "stop.time_limit_s"),
+        ("5", "seed"),
+        ("6", "render.samples"),
+        ("6", "render.width_px"),
+        ("8", "routes.0.start.x_m"),
+        ("8", "routes.0.start.yaw_deg"),
+    ]
+
+
+def test_sections_that_cannot_be_loaded_are_reported_with_the_other_faults(faults):
+    lines = faults(
+        "extends: smoke\nname: a\n"
+        "look: [classroom]\n"
+        "robot: nominl\n"
+        "arena: {extends: nowhere, walls: 3}\n"
+        "render: [width_px, 32]\n"
+        "sed: 1\n"
+        "stop: {time_limit_s: {normal: [3]}}\n"
+    )
+    places = sorted(re.match(r"line (\d+): ([\w.]+):", line).groups() for line in lines)
+    assert places == [
+        ("3", "look"),
+        ("4", "robot"),
+        ("5", "arena.extends"),
+        ("6", "render"),
+        ("7", "sed"),
+        ("8", "stop.time_limit_s"),
+    ]
+
+
+@pytest.mark.parametrize("section", ["look", "robot", "arena"])
+@pytest.mark.parametrize("name", shipped_names("scenario"))
+def test_a_section_that_cannot_be_loaded_is_the_only_fault_of_a_good_scenario(faults, name, section):
+    (line,) = faults(f"extends: {name}\nname: a\n{section}: nowhere\n")
+    assert f"several.yaml:3: {section}: got 'nowhere'" in line
+
+
+def test_short_forms_and_files_of_the_user_are_no_faults_beside_another(faults, tmp_path):
+    cv2.imwrite(str(tmp_path / "mine.png"), np.full((32, 32, 3), 90, np.uint8))
+    lines = faults(
+        "extends: smoke\nname: a\n"
+        "arena: {extends: symolo,"
+        " line: {course: {shape: spline, points: [[-1, -0.5], [1, -0.5], [1, 0.5], [-1, 0.5]]}}}\n"
+        "look: {extends: lab, assets: ., floor: {material: image, image: {file: mine.png}}}\n"
+        "robot: nowhere\n"
+    )
+    assert len(lines) == 1
+    assert "robot: got 'nowhere'" in lines[0]
+    lines = faults(
+        "extends: smoke\nname: a\nlook: {extends: lab, assets: ., floor: {image: {file: yours.png}}}\nsed: 1\n"
+    )
+    assert len(lines) == 2
+    assert "no such file" in lines[0]
+    assert "sed: unknown key" in lines[1]
+
+
+def test_faulty_distributions_are_reported_with_the_other_faults(faults):
+    lines = faults(
+        "extends: smoke\nname: a\n"
+        "look: {extends: lab, floor: {dirt: {normal: [0.5]}, material: {choice: [parqet]}}}\n"
+        "render: {widthpx: 64, height_px: {uniform: [1, 4]}}\n"
+        "arena: {extends: symolo, obstacles: [{name: A, kind: {choice: [box, ball]}}]}\n"
+    )
+    places = sorted(re.match(r"line (\d+): ([\w.]+):", line).groups() for line in lines)
+    assert ("3", "look.floor.dirt.normal") in places
+    assert ("3", "look.floor.material") in places
+    assert ("4", "render.widthpx") in places
+    assert len(places) == len(set(places))
 
 
 def test_one_fault_is_one_line(tmp_path):

@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from symolo.core.errors import InputError, shown
+from symolo.core.errors import FaultList, InputError, shown
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.yaml.tree import FieldPath, Node, Scalar, dotted
 
@@ -123,8 +123,17 @@ class _Builder:
     name: str
     with_lines: bool
     nodes: int = field(default=0, init=False)
+    faults: FaultList = field(default_factory=FaultList, init=False)
+    """Faults after which reading can go on, so that all of them are reported together."""
+    has_reference: bool = field(default=False, init=False)
+    """Whether an anchor or an alias was noted."""
 
     def document(self) -> Node:
+        root = self._root()
+        self.faults.check()
+        return root
+
+    def _root(self) -> Node:
         root = None
         for event in self.events:
             if not isinstance(event, yaml.DocumentStartEvent):
@@ -144,14 +153,27 @@ class _Builder:
     def _node(self, event: yaml.Event, path: FieldPath) -> Node:
         where = self._where(event)
         self._refuse_extras(event, path, where)
+        if isinstance(event, yaml.AliasEvent):
+            what = dotted(path) or ("top level" if self.with_lines else "value")
+            cure = "aliases are not read; write the value out"
+            self._refuse_reference(InputError(what, where=where, got=f"*{event.anchor}", cure=cure))
+            return Node(None, where)
         if isinstance(event, yaml.ScalarEvent):
-            return Node(_scalar(event, dotted(path), where), where)
+            with self.faults.noted():
+                return Node(_scalar(event, dotted(path), where), where)
+            return Node(None, where)
         if isinstance(event, yaml.SequenceStartEvent):
             items: list[Node] = []
             while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
                 items.append(self._node(event, (*path, len(items))))
             return Node(tuple(items), where)
         return Node(self._mapping(path), where)
+
+    def _refuse_reference(self, fault: InputError) -> None:
+        """Note an anchor or an alias, if it is the first one of the file: the others belong to it."""
+        if not self.has_reference:
+            self.faults.faults.append(fault)
+        self.has_reference = True
 
     def _mapping(self, path: FieldPath) -> dict[str, Node]:
         children: dict[str, Node] = {}
@@ -165,10 +187,11 @@ class _Builder:
             key = event.value
             inner = (*path, key)
             if key == "<<" and event.implicit[0]:
-                raise InputError(dotted(inner), where=where, cure="YAML merge keys are not read; use 'extends:'")
-            if key in children:
+                cure = "YAML merge keys are not read; use 'extends:'"
+                self.faults.faults.append(InputError(dotted(inner), where=where, cure=cure))
+            elif key in children:
                 what = f"{dotted(inner)}: the key is given twice, first at {lines[key]}"
-                raise InputError(what, where=where, cure="keep one of the two")
+                self.faults.faults.append(InputError(what, where=where, cure="keep one of the two"))
             lines[key] = where
             child = self._node(next(self.events), inner)
             # The key's line is where a reader looks for a field, also when its block begins a line later.
@@ -178,20 +201,13 @@ class _Builder:
     def _refuse_extras(self, event: yaml.Event, path: FieldPath, where: str) -> None:
         self.nodes += 1
         what = dotted(path) or ("top level" if self.with_lines else "value")
-        if isinstance(event, yaml.AliasEvent):
-            raise InputError(
-                what, where=where, got=f"*{event.anchor}", cure="aliases are not read; write the value out"
-            )
         if isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent):
             if event.anchor:
-                raise InputError(what, where=where, got=f"&{event.anchor}", cure="anchors are not read; remove it")
+                cure = "anchors are not read; remove it"
+                self._refuse_reference(InputError(what, where=where, got=f"&{event.anchor}", cure=cure))
             if event.tag:
-                raise InputError(
-                    what,
-                    where=where,
-                    got=event.tag.replace("tag:yaml.org,2002:", "!!"),
-                    cure="tags are not read; remove it",
-                )
+                tag, cure = event.tag.replace("tag:yaml.org,2002:", "!!"), "tags are not read; remove it"
+                self.faults.faults.append(InputError(what, where=where, got=tag, cure=cure))
         if len(path) > MAX_DEPTH:
             raise InputError(f"{dotted(path[:3])}...: nested too deep", where=where, allowed=f"{MAX_DEPTH} levels")
         if self.nodes > MAX_NODES:
