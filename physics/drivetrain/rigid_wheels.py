@@ -1,9 +1,11 @@
 """Wheels that are one mass each with their motors, and affect each other through supply and body.
 
 Bare motors take one exact step. What effects add to torque and friction is averaged over both ends of a step; the end
-is predicted by a step with the values of the beginning (Heun's method around the exact step, of second order). Where
-prediction and result differ by more than the tolerance, the step is divided into quarters. At null values both are
-identical to the bit.
+is predicted by a step with the values of the beginning (Heun's method around the exact step, of second order). Between
+both ends the torque is taken as linear in the speed, and the step with it is exact again (an exponential method with a
+secant in place of the Jacobian: Hochbruck and Ostermann, Acta Numerica 19 (2010) 209-286): a bridge that coasts takes
+most of its damping from a motor. Where prediction and result differ by more than the tolerance, the result is the next
+prediction; where they still do, the step is divided into quarters. At null values all are identical to the bit.
 """
 
 from collections.abc import Callable
@@ -19,6 +21,11 @@ from symolo.core.arrays import Array
 TOLERANCE_RAD_S = 0.02
 TOLERANCE = 2e-3
 """Relative to the speed, in addition to `TOLERANCE_RAD_S`."""
+SHARES = (1.0, 0.1)
+"""Shares of the tolerance for the first and the second prediction of the end of a step, before it is divided."""
+MAX_RELIEF, MAX_DAMPING = 0.98, 20.0
+"""Greatest part of a motor's damping that the slope of a torque may take away, and greatest multiple that it may add;
+the battery and the time change the torque as well, without the speed."""
 PARTS = 4
 MAX_DEPTH = 6
 
@@ -44,6 +51,8 @@ class RigidWheels:
         self._load_N_m = load_N_m
         self._coupling_kg_m2 = coupling_kg_m2
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
+        # A torque that depends on the angle changes with the turn, and not with the speed.
+        self._has_secant = driveline.adds_torque and not driveline.needs_angle
         self._covered_by_duration: dict[float, Array] = {}
 
     def moved(self, part: HeldPart, speed_rad_s: Array, angle_rad: Array) -> tuple[Array, Array]:
@@ -89,37 +98,63 @@ class RigidWheels:
         # on the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
         speed_rad_s, angle_rad = state
         turn = part.duration_s * speed_rad_s if self._driveline.needs_angle else angle_rad
-        torque, friction = loads or self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
-        covered = self._covered(part.duration_s)
-        ahead, turn = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
-        torque_ahead, friction_ahead = self._loads(
-            part, stall, ahead, part.begin_s + part.duration_s, (angle_rad, turn)
-        )
-        torque_mean = 0.5 * (torque + torque_ahead)
-        if self._coupling_kg_m2 is not None:
-            lasts = np.asarray(part.duration_s) > 0.0
-            gained = np.divide(ahead - speed_rad_s, part.duration_s, out=np.zeros_like(ahead), where=lasts)
-            torque_mean = torque_mean - gained @ self._coupling_kg_m2
-        both = self._held(torque_mean, 0.5 * (friction + friction_ahead))
-        speed, angle = both.step(speed_rad_s, part.duration_s, covered)
-        off = np.abs(speed - ahead)
-        if not depth or not np.count_nonzero(off > TOLERANCE_RAD_S):
-            return speed, angle
-        rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
-        if not np.count_nonzero(rough):
-            return speed, angle
+        torque, friction = loads = loads or self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
+        ahead = self._held(torque, friction).step(speed_rad_s, part.duration_s, self._covered(part.duration_s))
+        for share in SHARES if depth and self._has_secant else SHARES[:1]:
+            speed, angle = self._corrected(part, stall, state, loads, ahead)
+            off = np.abs(speed - ahead[0])
+            if not depth or not np.count_nonzero(off > share * TOLERANCE_RAD_S):
+                return speed, angle
+            rough = off > share * (TOLERANCE_RAD_S + TOLERANCE * np.abs(speed))
+            if not np.count_nonzero(rough):
+                return speed, angle
+            ahead = speed, angle
         # All wheels take the fine steps, because they share the arrays; only the rough ones use the result.
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
         # The first quarter begins as the whole step does, except for a torque that depends on the turn.
-        loads = None if self._driveline.needs_angle else (torque, friction)
+        first = None if self._driveline.needs_angle else loads
         for k in range(PARTS):
             quarter = replace(part, begin_s=part.begin_s + k * duration_s, duration_s=duration_s)
             at_angle = angle_rad + fine_angle if self._driveline.needs_angle else angle_rad
             state = (fine_speed, at_angle)
-            fine_speed, further = self._with_effects(quarter, stall, state, depth - 1, loads if k == 0 else None)
+            fine_speed, further = self._with_effects(quarter, stall, state, depth - 1, first if k == 0 else None)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
+
+    def _corrected(
+        self, part: HeldPart, stall: Array, state: tuple[Array, Array], loads: Loads, ahead: tuple[Array, Array]
+    ) -> tuple[Array, Array]:
+        """Return speed and turn with the loads of both ends of a period.
+
+        Args:
+            part: The period.
+            stall: Torque of the bare windings at rest.
+            state: Speed and angle at the beginning.
+            loads: Torque at rest and dry friction at the beginning.
+            ahead: Predicted speed at the end, and predicted turn.
+        """
+        (speed_rad_s, angle_rad), (torque, friction) = state, loads
+        end_rad_s, turn = ahead
+        torque_ahead, friction_ahead = self._loads(
+            part, stall, end_rad_s, part.begin_s + part.duration_s, (angle_rad, turn)
+        )
+        torque_mean, friction_mean = 0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead)
+        gained = end_rad_s - speed_rad_s
+        if self._coupling_kg_m2 is not None:
+            lasts = np.asarray(part.duration_s) > 0.0
+            rate = np.divide(gained, part.duration_s, out=np.zeros_like(end_rad_s), where=lasts)
+            torque_mean = torque_mean - rate @ self._coupling_kg_m2
+        if not self._has_secant:
+            covered = self._covered(part.duration_s)
+            return self._held(torque_mean, friction_mean).step(speed_rad_s, part.duration_s, covered)
+        damping = self._driveline.damping_N_m_s_rad
+        more = torque_ahead - torque
+        slope = np.divide(more, gained, out=np.zeros_like(more), where=gained != 0.0)
+        slope = np.clip(slope, -MAX_DAMPING * damping, MAX_RELIEF * damping)
+        torque_mean = torque_mean - 0.5 * slope * (speed_rad_s + end_rad_s)
+        held = HeldDrive(torque_mean, damping - slope, friction_mean, self._driveline.inertia_kg_m2)
+        return held.step(speed_rad_s, part.duration_s)
 
     def _loads(
         self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array, turn: tuple[Array, Array]
