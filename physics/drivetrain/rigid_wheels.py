@@ -12,17 +12,20 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import HeldPart
 from physics.drivetrain.motor_arrays import HeldDrive, covered_share
 from symolo.core.arrays import Array
 
+Mask = NDArray[np.bool_]
+
 TOLERANCE_RAD_S = 0.02
 TOLERANCE = 2e-3
 """Relative to the speed, in addition to `TOLERANCE_RAD_S`."""
-SHARES = (1.0, 0.1)
-"""Shares of the tolerance for the first and the second prediction of the end of a step, before it is divided."""
+SHARE = 0.1
+"""Share of the tolerance for the second prediction of the end of a step, before it is divided."""
 MAX_RELIEF, MAX_DAMPING = 0.98, 20.0
 """Greatest part of a motor's damping that the slope of a torque may take away, and greatest multiple that it may add;
 the battery and the time change the torque as well, without the speed."""
@@ -94,23 +97,12 @@ class RigidWheels:
             depth: How often the period may be divided.
             loads: Torque at rest and dry friction at the beginning, if they are known already.
         """
-        # Predict with the loads of the beginning, then repeat the step with the mean of both ends. Torque that depends
-        # on the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
-        speed_rad_s, angle_rad = state
-        turn = part.duration_s * speed_rad_s if self._driveline.needs_angle else angle_rad
-        torque, friction = loads = loads or self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
-        ahead = self._held(torque, friction).step(speed_rad_s, part.duration_s, self._covered(part.duration_s))
-        for share in SHARES if depth and self._has_secant else SHARES[:1]:
-            speed, angle = self._corrected(part, stall, state, loads, ahead)
-            off = np.abs(speed - ahead[0])
-            if not depth or not np.count_nonzero(off > share * TOLERANCE_RAD_S):
-                return speed, angle
-            rough = off > share * (TOLERANCE_RAD_S + TOLERANCE * np.abs(speed))
-            if not np.count_nonzero(rough):
-                return speed, angle
-            ahead = speed, angle
+        loads = loads or self._loads_of_beginning(part, stall, state)
+        speed, angle, rough = self._in_one_step(part, stall, state, loads, may_be_divided=depth > 0)
+        if rough is None:
+            return speed, angle
         # All wheels take the fine steps, because they share the arrays; only the rough ones use the result.
-        fine_speed, fine_angle = speed_rad_s, np.zeros(())
+        fine_speed, angle_rad, fine_angle = *state, np.zeros(())
         duration_s = part.duration_s / PARTS
         # The first quarter begins as the whole step does, except for a torque that depends on the turn.
         first = None if self._driveline.needs_angle else loads
@@ -121,6 +113,24 @@ class RigidWheels:
             fine_speed, further = self._with_effects(quarter, stall, state, depth - 1, first if k == 0 else None)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
+
+    def _in_one_step(
+        self, part: HeldPart, stall: Array, state: tuple[Array, Array], loads: Loads, *, may_be_divided: bool
+    ) -> tuple[Array, Array, Mask | None]:
+        """Return speed and turn without a division of the period, and for which wheels they are rough; None for none.
+
+        Predict with the loads of the beginning, then repeat the step with the mean of both ends. Torque that depends on
+        the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
+        """
+        ahead = self._held(*loads).step(state[0], part.duration_s, self._covered(part.duration_s))
+        speed, angle = self._corrected(part, stall, state, loads, ahead)
+        rough = _far_off(speed, ahead[0], 1.0) if may_be_divided else None
+        if rough is None or not self._has_secant:
+            return speed, angle, rough
+        # Only the rough ones use the result, so that no wheel depends on others in the same arrays.
+        again, angle_again = self._corrected(part, stall, state, loads, (speed, angle))
+        still_rough = _far_off(again, speed, SHARE, rough)
+        return np.where(rough, again, speed), np.where(rough, angle_again, angle), still_rough
 
     def _corrected(
         self, part: HeldPart, stall: Array, state: tuple[Array, Array], loads: Loads, ahead: tuple[Array, Array]
@@ -156,6 +166,11 @@ class RigidWheels:
         held = HeldDrive(torque_mean, damping - slope, friction_mean, self._driveline.inertia_kg_m2)
         return held.step(speed_rad_s, part.duration_s)
 
+    def _loads_of_beginning(self, part: HeldPart, stall: Array, state: tuple[Array, Array]) -> Loads:
+        speed_rad_s, angle_rad = state
+        turn = part.duration_s * speed_rad_s if self._driveline.needs_angle else angle_rad
+        return self._loads(part, stall, speed_rad_s, part.begin_s, (angle_rad, turn))
+
     def _loads(
         self, part: HeldPart, stall: Array, speed_rad_s: Array, time_s: Array, turn: tuple[Array, Array]
     ) -> Loads:
@@ -168,3 +183,20 @@ class RigidWheels:
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
         torque = driveline.shaft_torque_N_m(torque, *turn)
         return torque, driveline.friction_N_m(torque, speed_rad_s, time_s, part.trend)
+
+
+def _far_off(speed_rad_s: Array, predicted_rad_s: Array, share: float, among: Mask | None = None) -> Mask | None:
+    """Return which speeds are far from their predictions, relative to a share of the tolerance; None for none.
+
+    Args:
+        speed_rad_s: Speeds.
+        predicted_rad_s: Predicted speeds.
+        share: Share of the tolerance.
+        among: Wheels that count; all by default.
+    """
+    off = np.abs(speed_rad_s - predicted_rad_s)
+    if not np.count_nonzero(off > share * TOLERANCE_RAD_S):
+        return None
+    rough = off > share * (TOLERANCE_RAD_S + TOLERANCE * np.abs(speed_rad_s))
+    rough = rough if among is None else rough & among
+    return rough if np.count_nonzero(rough) else None

@@ -6,7 +6,7 @@ moment on, each quantity may have a constant offset, a constant offset against i
 itself (Chow, Econometrica 28 (1960) 591-605, with a search for the moment). Or a single nominal number has another
 value from then on, such as the friction of a wheel in which a hair is caught, and changes several quantities at once.
 One of the named effects may also be present from that moment on only. If this explains the same rows better, with a
-penalty for each parameter, and leaves no structure, the named effects are withdrawn.
+penalty for each parameter, and leaves no structure in the stages that it changes, the named effects are withdrawn.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.refusal import is_of_noise
-from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
+from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy, change_by
 from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import Nuisance
@@ -73,8 +73,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     squares, moment, columns = best
     if is_same_as_own(nominal, fit, columns):
         return None
-    # A jump that leaves structure of its own is only another substitute.
-    if not adequacy(evidence, nominal, columns).is_adequate:
+    if _leaves_structure(evidence, nominal, columns):
         return None
     fallen = residual[: len(root)] ** 2 - _left(columns * root[:, None], basis, residual)[: len(root)] ** 2
     largest = int(np.argmax([float(fallen[place].sum()) for place in evidence.places]))
@@ -92,6 +91,20 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
         is_over_time=True,
     )
+
+
+def _leaves_structure(evidence: Evidence, nominal: HypothesisFit, columns: Array) -> bool:
+    """Return whether a jump (N, k) leaves structure in a stage that it changes, so that it is only another substitute.
+
+    Each stage is predicted from what was measured at its input, so that structure in another stage has another cause,
+    and outliers in successive rows favour neither a jump nor the effects.
+    """
+    rows = np.abs(columns[evidence.fit]).sum(axis=1) > 0.0
+    changed = set(evidence.of_stage[evidence.fit][rows].tolist())
+    stages = [number for number, stage in enumerate(evidence.stages) for _ in stage.observed]
+    names = {observed.name for observed, stage in zip(evidence.observed, stages, strict=True) if stage in changed}
+    left = adequacy(evidence, nominal, columns).structures
+    return any(s.p < LEVEL and s.observed in names and not s.is_of_outliers for s in left)
 
 
 def _left(weighed: Array, basis: Array, residual: Array) -> Array:

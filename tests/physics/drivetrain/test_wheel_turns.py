@@ -11,6 +11,7 @@ from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
 from physics.effects.driver_and_battery.current_limit import CurrentLimit
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
+from physics.robot.stack import stacked
 
 ROW_S, PARTS, ROWS = 0.05, 5, 8
 OWN, OTHER = 6e-4, -6e-5
@@ -80,3 +81,16 @@ class TestTorqueThatChangesWithTheSpeed:
         expected = final * (t_s - settles_s * (1.0 - np.exp(-t_s / settles_s)))
         found = self.angles_rad(motor.with_effect(CurrentLimit(limit_A=limit_A)), 8.0)
         np.testing.assert_allclose(np.diff(found, prepend=0.0), np.diff(expected, prepend=0.0), atol=5e-4)
+
+    def test_a_robot_turns_the_same_beside_any_other_one(self, motor):
+        """In one pass, a bridge of which steps must be corrected again or divided shares the arrays of the others."""
+        volts = np.array([0.5, 6.0, -3.0, 0.3, 7.0, 0.0])[:, None, None] * np.ones((1, 2))
+        robots = [motor.with_effect(BridgeCoast(inductance_H=i, diode_V=1.0)) for i in (1e-9, 3e-6, 3e-5, 3e-4, 5e-3)]
+
+        def turned(some):
+            return counted_turns(RobotModel.from_config(stacked(some, axes=2)), volts, ROW_S, np.zeros(1))
+
+        together = turned(robots)
+        for k, robot in enumerate(robots):
+            alone = turned([robot])
+            np.testing.assert_allclose(together[:, k], alone, rtol=1e-12)

@@ -119,6 +119,28 @@ def test_a_nominal_number_that_jumps_explains_all_quantities_at_once(evidence_of
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=2.0)
 
 
+@pytest.mark.parametrize(("what", "is_found"), [("nothing", True), ("another stage", True), ("same stage", False)])
+def test_only_structure_in_a_stage_that_a_jump_changes_makes_it_a_substitute(
+    evidence_of, hypothesis, effect, what, is_found
+):
+    """A wave in the readings of a sensor that never sees the motor says nothing about a friction that has jumped."""
+    generator = np.random.default_rng(5)
+    x, when = np.linspace(0.3, 1.0, 60), generator.permutation(60).astype(float)
+    place = generator.permutation(60) / 60.0
+    wave = 6.0 * SD_A * np.sin(2.0 * np.pi * place)
+    stages = []
+    for k in range(7):
+        currents = x if k < 6 else np.zeros(60)
+        readings = currents * (1.0 + 0.02 * (when >= 26.0)) + SD_A * generator.standard_normal(60)
+        readings += wave * ((what, k) in {("another stage", 6), ("same stage", 2)})
+        (stage,) = evidence_of(currents, readings, t_s=when, place=place).stages
+        stage.observed = (replace(stage.observed[0], name=f"current_{k}_A"),)
+        stages.append(stage)
+    evidence = Evidence(tuple(stages))
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_offset")))
+    assert (change_in_time(evidence, fitted(evidence, hypothesis), named) is not None) == is_found
+
+
 @pytest.mark.parametrize(("jump", "is_possible"), [(3.0, True), (-0.8, True), (-3.0, False)])
 def test_no_positive_number_jumps_below_zero(evidence_of, hypothesis, effect, jump, is_possible):
     """The jumps have the same size in sigmas, and no offset imitates them. The torque constant is positive, so that it
