@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -29,8 +30,8 @@ four images alone is too uncertain. The worst of five views was 0.6 to 2.0 dB be
 "Five views" of docs/rendering_measurements.md), 1.1 dB on average, and 1.2 standard deviations are expected."""
 _QUANTILE = 1.85
 """95 % quantile of Student's t: 1.89 to 1.80 for the 7 to 11 degrees of freedom of four to eight images."""
-_ONE_SIDED = 1.645
-"""95 % quantile of the standard normal distribution."""
+_ERROR_PROBABILITY = 0.05
+"""Probability with which a confidence limit of an error may be wrong."""
 _MIN_MEAN_SQUARE = 0.01
 """Lower limit of a stated error, which the noise of the estimate may make negative."""
 _MIN_RATIO = 0.1
@@ -69,6 +70,8 @@ class ImageErrors:
     """Error that JPEG adds to the same images, which have the noise of the camera."""
     standard_error: tuple[float, ...]
     """Standard error of `rendering`."""
+    error_probability: float = _ERROR_PROBABILITY
+    """Probability with which the upper confidence limit of an error may be too small."""
 
     @classmethod
     def of(cls, errors: Iterable[ImageError]) -> Self:
@@ -98,13 +101,14 @@ class ImageErrors:
 
     @property
     def largest_dB(self) -> float:
-        """Return the largest upper confidence limit (95 %) of the errors, relative to those of JPEG.
+        """Return the largest upper confidence limit of the errors, relative to those of JPEG.
 
         The estimate is unbiased, but where the references have rare bright pixels it is too small most of the time, and
         seldom much too large. So it counts for no more than their noise permits.
         """
         errors = zip(self.rendering, self.standard_error, self.jpeg, strict=True)
-        ratios = (_ratio(max(error, 0.0) + _ONE_SIDED * sd, jpeg) for error, sd, jpeg in errors)
+        quantile = NormalDist().inv_cdf(1 - self.error_probability)
+        ratios = (_ratio(max(error, 0.0) + quantile * sd, jpeg) for error, sd, jpeg in errors)
         return 10 * math.log10(max(ratios))
 
     @property
@@ -124,7 +128,8 @@ class ImageErrors:
     @property
     def least(self) -> Self:
         """Return the lower confidence limits (95 %) of the errors, without noise."""
-        lower = (error - _ONE_SIDED * sd for error, sd in zip(self.rendering, self.standard_error, strict=True))
+        quantile = NormalDist().inv_cdf(1 - _ERROR_PROBABILITY)
+        lower = (error - quantile * sd for error, sd in zip(self.rendering, self.standard_error, strict=True))
         return replace(self, rendering=tuple(lower), standard_error=(0.0,) * len(self.rendering))
 
     def scaled(self, factor: float) -> Self:
@@ -234,6 +239,7 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
         images: Number of images of the run.
         measure: Measures the errors of a candidate.
     """
+    measure = _tested_in_sequence(measure)
     samples = FIRST_SAMPLES
     if hybrid is not None:
         errors = measure(hybrid, samples)
@@ -251,6 +257,28 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
             place = max(_first_small(errors.least, place), place + 1)
         errors = measure(LADDER[place], samples)
     return Decision(job_sha256, None, LADDER[place], errors, samples)
+
+
+def _tested_in_sequence(measure: Measure) -> Measure:
+    """Return a function that measures with stricter limits each time that a candidate is tested again.
+
+    Its kth test has the error probability p / (k (k + 1)), so the sum over all tests is at most p (Bonferroni's
+    inequality). Tests with few samples, which decide clear cases, thus get the largest share. A test that noise makes a
+    candidate fail, whatever its error, uses nothing up.
+    """
+    tested: Candidate | None = None
+    number = 1
+
+    def measured(candidate: Candidate, samples: int) -> ImageErrors:
+        nonlocal tested, number
+        if candidate != tested:
+            tested, number = candidate, 1
+        errors = replace(measure(candidate, samples), error_probability=_ERROR_PROBABILITY / (number * (number + 1)))
+        if errors.scaled(0.0).excess <= 1:
+            number += 1
+        return errors
+
+    return measured
 
 
 def _needs_more(samples: int, errors: ImageErrors, saved: int) -> bool:
