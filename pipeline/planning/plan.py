@@ -38,9 +38,10 @@ HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
 _USUAL = LADDER[1]
 """Full rendering that is assumed for runs that choose, and for which hybrid rendering is no candidate."""
-PROBED_SAMPLES = 46
-"""Samples of a pixel of each image from which a run chooses method and samples: four references of 8, and candidates
-with 2 and 8, whose denoiser takes the time of two each. Noisy references take more."""
+PROBED_SAMPLES, HYBRID_PROBED_SAMPLES = 42, 4
+"""Samples of a pixel of each image from which a run chooses. With full rendering: four references of 8, because
+candidates are refused from 8 on, and candidates with 2 and 4, whose denoiser takes the time of two each. With hybrid
+rendering: four references of 1 sample, the smallest number. Noisy references take more."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -185,7 +186,8 @@ class ScenarioPlan:
         if not all(_is_hybrid(each) for each in probed):
             costs.append(f"{_USUAL.samples} samples per pixel where a run chooses, ")
         if probed:
-            costs.append(f"{PROBED_SAMPLES} samples per pixel in each image that a run measures, ")
+            counts = " or ".join(map(str, sorted({_probed_samples(each) for each in probed})))
+            costs.append(f"{counts} samples per pixel in each image that a run measures, ")
         full = [run.sampling for run in self._all if not _is_hybrid(run.sampling)]
         if full:
             prefilters = {_USUAL.prefilter if each.probe else each.prefilter for each in full if each.denoise}
@@ -220,6 +222,10 @@ def _sample_s(sampled: TracingSettings) -> float:
     return RENDER_SAMPLE_S * (CAUSTICS_TIMES if sampled.paths.caustics else 1.0)
 
 
+def _probed_samples(sampled: TracingSettings) -> int:
+    return HYBRID_PROBED_SAMPLES if _is_hybrid(sampled) else PROBED_SAMPLES
+
+
 def _is_hybrid(sampled: TracingSettings) -> bool:
     """Return whether a run uses hybrid rendering, or has it as the first candidate of its choice."""
     return sampled.hybrid is not None
@@ -248,7 +254,7 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     sampled = tracing_settings(render, spec.seed, images=images)
     image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     measured = len(probed_numbers(images)) if sampled.probe else 0
-    choice_s = measured * traced * PROBED_SAMPLES * _sample_s(sampled)
+    choice_s = measured * traced * _probed_samples(sampled) * _sample_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),

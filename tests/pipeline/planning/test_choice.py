@@ -1,0 +1,45 @@
+"""The cost of the measurement from which a run chooses its rendering, as the plan assumes it."""
+
+import pytest
+
+from blender_scenes.render.image_errors import ImageError
+from blender_scenes.render.probe import LADDER, REFERENCES, Candidate, ImageErrors, TracedSamples, decide
+from blender_scenes.render.sampling import HybridSamples
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from pipeline.planning.plan import (
+    CAUSTICS_TIMES,
+    DENOISE_S,
+    HYBRID_PROBED_SAMPLES,
+    PROBED_SAMPLES,
+    RENDER_SAMPLE_S,
+    ScenarioPlan,
+)
+
+HYBRID = HybridSamples(4, 2, 8)
+
+
+@pytest.mark.parametrize(("hybrid", "expected"), [(None, PROBED_SAMPLES), (HYBRID, HYBRID_PROBED_SAMPLES)])
+def test_the_plan_counts_the_samples_of_a_choice_without_noise(hybrid, expected):
+    """Hybrid rendering or 4 samples are good enough, as the plan assumes. Images of hybrid rendering are not counted,
+    because their maps serve the images of the run."""
+    measured: list[TracedSamples] = []
+
+    def measure(candidate: Candidate, _samples: int) -> ImageErrors:
+        is_good = isinstance(candidate, HybridSamples) or candidate.samples >= LADDER[1].samples
+        if isinstance(candidate, TracedSamples) and candidate not in measured:
+            measured.append(candidate)
+        return ImageErrors.of(4 * [ImageError(2.0 if is_good else 10.0, 0.0, 8.0)])
+
+    decision = decide("job", hybrid, 200, measure)
+    sample_s = RENDER_SAMPLE_S * CAUSTICS_TIMES
+    of_candidates = sum(each.samples + DENOISE_S[each.prefilter] / sample_s for each in measured)
+    assert REFERENCES * decision.reference_samples + of_candidates == pytest.approx(expected, abs=0.5)
+
+
+@pytest.mark.parametrize(("width_px", "height_px", "samples"), [(160, 120, PROBED_SAMPLES), (320, 240, 4)])
+def test_the_plan_states_the_samples_of_a_choice(width_px, height_px, samples):
+    size = [f"render.width_px={width_px}", f"render.height_px={height_px}", "rates.camera_hz=5"]
+    spec = draw_run(load_scenario("symolo", size), "CW", 1)
+    text = " ".join(ScenarioPlan.of([spec], 1).text().split())
+    assert f" {samples} samples per pixel in each image that a run measures" in text
