@@ -235,8 +235,10 @@ def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:
     turned = np.abs(np.diff(known))
     largest = float(np.abs(known).max())
     wraps = turned[turned > np.pi]
+    # Steps of some degrees may be as large as a turn in radians, so a jump by 360 decides first.
+    is_wrapped_deg = bool(np.any(turned > 300.0))
     is_wrapped_rad = len(wraps) > 0 and float(np.median(np.abs(wraps - 2.0 * np.pi))) < 1.0
     is_fast = len(turned) > 0 and float(np.quantile(turned, 0.9)) > FASTEST_TURN_RAD_S * max(step_s, 1e-3)
-    if not is_wrapped_rad and largest > 2.0 * np.pi + 0.5 and (is_fast or bool(np.any(turned > 300.0))):
+    if largest > 2.0 * np.pi + 0.5 and (is_wrapped_deg or (is_fast and not is_wrapped_rad)):
         return "degrees", f"taken for degrees, since the values are up to {largest:.4g}"
     return "", f"taken for radians, since the values are up to {largest:.3g}"

@@ -388,6 +388,17 @@ def test_units_that_no_name_states_are_guessed_from_the_values_with_a_warning(lo
     assert len(proposal.warnings) == warnings, proposal.warnings
 
 
+@pytest.mark.parametrize(
+    ("turn", "begin", "unit"), [(360.0, -180.0, "degrees"), (360.0, 0.0, "degrees"), (2 * math.pi, -math.pi, "")]
+)
+def test_a_heading_that_jumps_by_a_turn_is_in_the_unit_of_that_turn(log, turn, begin, unit):
+    """At 125 degrees/s, rows are 6.25 degrees apart, which is nearly the number of radians in a turn."""
+    t = 0.05 * np.arange(400)
+    heading = (turn * (125 / 360) * (t + 0.1 * np.sin(t)) - begin) % turn + begin
+    text = table("t_s,encL,encR,uL,uR,x_m,y_m,yaw", np.round(t, 6), *np.zeros((6, len(t))), np.round(heading, 6))
+    assert propose(log(text)).mapping.columns["theta_rad"].unit == unit
+
+
 def test_a_unit_that_no_robot_could_have_is_refused_with_the_likely_one(log):
     t = np.round(0.05 * np.arange(100), 6)
     text = drive(t, header=DRIVE.replace("x,y", "x [m],y [m]")).splitlines()
