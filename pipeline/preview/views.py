@@ -15,6 +15,7 @@ from configs.references import locate
 from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import RunSpec
 from pipeline.preview.path import PreviewPath
+from pipeline.run_warnings.angles import settings_in_radians
 from pipeline.stages.render import Appearance
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
@@ -40,6 +41,8 @@ class PreviewImage:
     appearance: Appearance
     assets: Mapping[str, Path]
     """Paths of the user's files of the look, by SHA-256."""
+    suspicions: tuple[str, ...] = ()
+    """Angles that are probably in radians, in one sentence each."""
 
     def job(self) -> RenderJob:
         """Return the job, which is built when it is needed because it has some megabytes."""
@@ -92,7 +95,8 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Pre
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
     lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
     name, shown = f"{number} ({spec.key}, {spec.look.name})", replace(look, render=render)
-    return PreviewImage(number, name, lines, frame, shown, loaded.assets)
+    suspicions = tuple(suspicion.text for suspicion in settings_in_radians(spec))
+    return PreviewImage(number, name, lines, frame, shown, loaded.assets, suspicions)
 
 
 def _frame(spec: RunSpec, number: int, index: int) -> FramePose:

@@ -1,8 +1,6 @@
 """Warnings of a run that is probably not what its scenario was meant to make, with the suspected cause."""
 
-import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import atan2, cos, degrees, pi, radians, sin
 
 import numpy as np
@@ -12,6 +10,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.following import MAX_ERROR, follow
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
+from pipeline.run_warnings.angles import Suspicion, in_radians, settings_in_radians
 from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
@@ -28,22 +27,6 @@ BESIDE_M = 0.1
 ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 """Largest angle of a start along the line, and smallest angle of one that leads away from it."""
 SPACING_M = 0.005
-ROUND_RAD = {2: pi / 4.0, 3: pi / 12.0}
-"""Angle whose multiples are round, 45 or 15 degrees, by the number of decimals from which on it counts. Sensors are
-mounted at round angles, which in degrees have no decimals; many angles with two decimals are near a multiple of 15."""
-SIDE_MOUNTS = ("robot.tof.mounts.left.", "robot.tof.mounts.right.")
-MIN_SIDE_RAD, MAX_SIDE_RAD = 0.1, 2.0
-"""Yaw of a side sensor that is probably in radians: in degrees, the sensor would look straight ahead."""
-MOUNT_ANGLE = re.compile(r"(yaw|pitch|roll)\w*_deg")
-
-
-@dataclass(frozen=True)
-class _Suspicion:
-    """Something suspicious about a run, before it is simulated."""
-
-    about: str
-    """Subject, which is the same for all runs whose texts differ in numbers alone."""
-    text: str
 
 
 def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
@@ -53,6 +36,11 @@ def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
         for suspicion in _suspicions(spec):
             runs_of.setdefault(suspicion.about, []).append((spec.key, suspicion.text))
     return tuple(_of_runs(runs) for runs in runs_of.values())
+
+
+def planned_texts(spec: RunSpec) -> tuple[str, ...]:
+    """Return what is suspicious about a run before it is simulated, which `plan_warnings` states."""
+    return tuple(suspicion.text for suspicion in _suspicions(spec))
 
 
 def start_to_line(spec: RunSpec) -> str:
@@ -77,7 +65,7 @@ def _of_runs(runs: Sequence[tuple[str, str]]) -> str:
     return f"{run} and{varied} {plural(len(runs) - 1, 'more run')}: {text}"
 
 
-def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
+def _suspicions(spec: RunSpec) -> Iterator[Suspicion]:
     """Yield what is suspicious about a run, and about the path of the built-in controller through its arena."""
     line = Arena.from_config(spec.arena).line
     yield from _in_radians(spec, line)
@@ -90,7 +78,7 @@ def _suspicions(spec: RunSpec) -> Iterator[_Suspicion]:
         yield from _through_walls(spec, line)
 
 
-def _outside_the_body(robot: RobotConfig) -> Iterator[_Suspicion]:
+def _outside_the_body(robot: RobotConfig) -> Iterator[Suspicion]:
     """Yield the range and line sensors that are farther from the middle of the axle than the body is long or wide."""
     chassis, mounts = robot.chassis, robot.tof.mounts
     sizes = {"x_m": chassis.length_m, "y_m": chassis.width_m}
@@ -106,10 +94,10 @@ def _outside_the_body(robot: RobotConfig) -> Iterator[_Suspicion]:
             if abs(at_m) > size_m:
                 where = "length" if field == "x_m" else "width"
                 text = f"{place}.{field} {at_m:g} is far outside the body, whose {where} is {size_m:g} m"
-                yield _Suspicion(f"{place}.{field} outside", text)
+                yield Suspicion(f"{place}.{field} outside", text)
 
 
-def _too_slow(robot: RobotConfig) -> Iterator[_Suspicion]:
+def _too_slow(robot: RobotConfig) -> Iterator[Suspicion]:
     """Yield a speed that the control law asks of a wheel and that its motor does not reach even without load."""
     motor, half_track_m = MotorModel.from_config(robot.motor), 0.5 * robot.drive.track_m
     voltage_V = voltage_limit_V(robot.power)
@@ -127,17 +115,17 @@ def _too_slow(robot: RobotConfig) -> Iterator[_Suspicion]:
             f" motors reach {reached_m_s:.2g} m/s at {voltage_V:g} V without load: the robot is slower than that, and"
             " may cut bends"
         )
-        yield _Suspicion("speed beyond the motors", text)
+        yield Suspicion("speed beyond the motors", text)
 
 
-def _starts_beside(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
+def _starts_beside(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
     away_m = float(_nearest(line, spec)[0])
     if away_m > BESIDE_M:
         text = f"the run starts {away_m:.2f} m away from the line, which its line sensor does not see there"
-        yield _Suspicion("start beside the line", text)
+        yield Suspicion("start beside the line", text)
 
 
-def _no_time_for_a_lap(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
+def _no_time_for_a_lap(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
     """Yield a time limit that is too short for the length of the line at the largest speed of the controller."""
     settings, limit_s = spec.robot.controller, spec.stop.time_limit_s
     following = (settings.line.k1_m_s, settings.wall.gains.k1_m_s)
@@ -148,10 +136,10 @@ def _no_time_for_a_lap(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
             f" then: the {line.length_m:.2f} m of the line take {line.length_m / fastest_m_s:.1f} s at"
             f" {fastest_m_s:.2g} m/s, the largest speed of the controller; raise the limit, or set stop.lap=false"
         )
-        yield _Suspicion("no time for a lap", text)
+        yield Suspicion("no time for a lap", text)
 
 
-def _through_walls(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
+def _through_walls(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
     points = np.concatenate([piece.at(_along(piece.length_m)) for piece in line.pieces])
     for wall in spec.arena.walls:
         body = wall_footprint(wall)
@@ -159,7 +147,7 @@ def _through_walls(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
         inside = np.all(np.abs((points - body.center) @ turn) < 0.5 * np.array(body.size), axis=1)
         if inside.any():
             x, y = points[int(np.argmax(inside))]
-            yield _Suspicion(
+            yield Suspicion(
                 f"wall {wall.name}",
                 f"the line leads through wall {wall.name} at x = {x:.2f}, y = {y:.2f} m, where the robot cannot follow "
                 "it: move one of them, or leave out the wall (an arena that extends another keeps its walls, until it "
@@ -193,45 +181,14 @@ def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterat
     )
 
 
-def _in_radians(spec: RunSpec, line: Line) -> Iterator[_Suspicion]:
-    """Yield the angles of the start and of mounts whose numbers are probably radians."""
+def _in_radians(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
+    """Yield the angles of the start and of settings whose numbers are probably radians."""
     yaw = spec.start.yaw_deg
     if line.pieces and 0.0 < abs(yaw) <= 2.0 * pi:
         _, along = _nearest(line, spec)
         if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
-            yield _radians("", "yaw_deg", yaw, ": as degrees, the start leads away from the line")
-    for (*section, field), angle in _mount_angles(spec.robot.model_dump(exclude={"effects"}), ("robot",)):
-        place = f"{'.'.join(section)}."
-        beside = place in SIDE_MOUNTS and field == "yaw_deg" and MIN_SIDE_RAD < abs(angle) < MAX_SIDE_RAD
-        if f"{place}{field}" not in spec.drawn and (beside or _is_round_in_radians(angle)):
-            yield _radians(place, field, angle, "")
-
-
-def _radians(place: str, field: str, angle: float, reason: str) -> _Suspicion:
-    return _Suspicion(
-        f"{place}{field} in radians",
-        f"{place}{field} {angle:g} looks like radians{reason}; if it is in radians, write {field}: "
-        f"{degrees(angle):.0f}",
-    )
-
-
-def _mount_angles(settings: object, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float]]:
-    """Yield path and value of each angle by which something is mounted on the robot."""
-    if isinstance(settings, dict):
-        for key, value in settings.items():
-            yield from _mount_angles(value, (*path, key))
-    elif isinstance(settings, float) and MOUNT_ANGLE.fullmatch(path[-1]):
-        yield path, settings
-
-
-def _is_round_in_radians(angle: float) -> bool:
-    """Return whether a number is a round angle up to a whole turn, in radians, to the last of its decimals."""
-    decimals = len(f"{angle:.6g}".partition(".")[2])
-    round_rad = ROUND_RAD.get(min(decimals, max(ROUND_RAD)))
-    if round_rad is None or not 0.0 < abs(angle) < 2.0 * pi + 10.0**-decimals:
-        return False
-    multiple = round(abs(angle) / round_rad)
-    return multiple > 0 and abs(abs(angle) - multiple * round_rad) < 10.0**-decimals
+            yield in_radians("yaw_deg", yaw, "as degrees, the start leads away from the line")
+    yield from settings_in_radians(spec)
 
 
 def _nearest(line: Line, spec: RunSpec) -> tuple[float, Array]:

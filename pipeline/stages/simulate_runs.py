@@ -16,7 +16,7 @@ from physics.run.controller_runner import controller_class
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.run_warnings.observed_range import range_warnings
-from pipeline.run_warnings.simulated_run import run_warnings
+from pipeline.run_warnings.simulated_run import planned_texts, run_warnings
 from pipeline.user_code import hashes_of_controller, hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import UnitFailure
@@ -144,8 +144,10 @@ def simulate_runs(
     for spec in specs:
         if spec.key not in stopped:
             outcome = read_outcome(workspace.simulate(spec.key).path)
+            before = planned_texts(spec) if outcome.suspicions else ()  # a command states these first
             for text in (*outcome.suspicions, *outcome.beyond_ranges):
-                report.say(f"simulate: {spec.key}: {text}")
+                if text not in before:
+                    report.say(f"simulate: {spec.key}: {text}")
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
 

@@ -95,6 +95,8 @@ def preview(
     check_size(first, count, columns)
     sheet_file = out or checked_new_image(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]
+    for warning in dict.fromkeys(text for view in chosen for text in view.suspicions):
+        typer.echo(f"warning: {warning}", err=True)
     images, failures = render_views(engine, chosen, workers or cores(), report_here())
     for failure in failures:
         typer.echo(f"failed: image {failure.run}: {failure.problem}", err=True)

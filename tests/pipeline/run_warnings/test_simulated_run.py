@@ -11,6 +11,7 @@ from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.references import shipped_names
 from pipeline.planning.plan import ScenarioPlan
+from pipeline.run_warnings.angles import settings_in_radians
 from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings, start_to_line
 from pipeline.stages.simulate import simulate
 
@@ -54,9 +55,15 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
         ("robot.tof.mounts.right.yaw_deg=-1.3963", "robot.tof.mounts.right.yaw_deg", "-1.3963", -80),
         ("robot.camera.pitch_down_deg=1.0472", "robot.camera.pitch_down_deg", "1.0472", 60),
         ("robot.camera.pitch_down_deg=1.047", "robot.camera.pitch_down_deg", "1.047", 60),
+        ("arena.obstacles.0.yaw_deg=0.785", "arena.obstacles.0.yaw_deg", "0.785", 45),
+        ("robot.tof.field_of_view_deg=0.436", "robot.tof.field_of_view_deg", "0.436", 25),
+        ("look.sun.elevation_deg=1.05", "look.sun.elevation_deg", "1.05", 60),
+        ("look.sun.azimuth_from_window_deg=-0.785", "look.sun.azimuth_from_window_deg", "-0.785", -45),
+        ("look.floor.yaw_deg=1.57", "look.floor.yaw_deg", "1.57", 90),
+        ("look.desk_lamps.tilt_deg=0.524", "look.desk_lamps.tilt_deg", "0.524", 30),
     ],
 )
-def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, angle, degrees):
+def test_a_setting_in_radians_is_named_with_the_number_in_degrees(setting, field, angle, degrees):
     route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
     (spec,) = draw_all(load_scenario("smoke", [route, setting]))
     (warning,) = plan_warnings([spec])
@@ -70,6 +77,42 @@ def test_a_mount_in_radians_is_named_with_the_number_in_degrees(setting, field, 
 def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
     route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
     assert plan_warnings(draw_all(load_scenario("smoke", [route, f"robot.camera.yaw_left_deg={yaw}"]))) == ()
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "arena.obstacles.0.yaw_deg=1",
+        "look.sun.elevation_deg=2",
+        "robot.tof.field_of_view_deg=2",
+        "look.sun.elevation_deg={uniform: [1, 1.5]}",
+        "look.sun.angular_diameter_deg=1.57",
+        "look.floor.yaw_deg={choice: [0.785]}",
+    ],
+)
+def test_other_small_angles_and_drawn_ones_get_no_warning(setting):
+    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+    assert plan_warnings(draw_all(load_scenario("smoke", [route, setting]))) == ()
+
+
+@pytest.mark.parametrize("name", shipped_names("look"))
+def test_shipped_looks_have_no_angle_in_radians(name):
+    for spec in draw_all(load_scenario("smoke", [f"look={name}"])):
+        assert list(settings_in_radians(spec)) == []
+
+
+def test_a_warning_of_the_plan_is_printed_once(symolo, tiny, tmp_path):
+    setting = "robot.camera.yaw_left_deg=0.785"
+    ended = symolo("simulate", "smoke", "--out", tmp_path / "out", *tiny, "--set", setting, "--workers", "1")
+    assert ended.code == 0
+    assert (ended.out + ended.err).count("looks like radians") == 1
+
+
+def test_a_preview_prints_angles_in_radians(symolo, tmp_path):
+    settings = ("--set", "look.sun.azimuth_from_window_deg=0.785", "--width-px", 64)
+    ended = symolo("preview", "smoke", "-n", 2, "--engine", "flat", *settings, "--out", tmp_path / "sheet.png")
+    assert ended.code == 0
+    assert ended.err.count("warning: look.sun.azimuth_from_window_deg 0.785 looks like radians") == 1
 
 
 @pytest.mark.parametrize(
@@ -193,7 +236,7 @@ def test_terminal_metadata_and_report_have_the_warning(tmp_path, symolo, hands, 
     assert ended.code == 0
     before, _, after = (ended.err + ended.out).partition("simulate: ")
     assert "warning: CW/test_1: yaw_deg -1.57 looks like radians" in before
-    assert "CW/test_1: yaw_deg -1.57 looks like radians" in after
+    assert "looks like radians" not in after
     (run,) = json.loads((out / "metadata.json").read_text())["runs"]
     assert any("looks like radians" in text for text in run["warnings"])
     assert "looks like radians" in (out / "README.md").read_text()
