@@ -73,6 +73,14 @@ def test_it_is_named_with_size_and_time_constant_and_its_path_follows_the_error(
     assert np.sqrt(np.mean(left_m**2)) < 0.5 * SD_M
 
 
+@pytest.mark.parametrize("rows", [10.0, 12.0])
+def test_one_that_lasts_little_longer_than_correlated_noise_is_named(drift_of, rows):
+    """Least time constant: 5 rows. An error of 4 rows is none, as `test_what_looks_alike_is_not_called_so` shows."""
+    drift = drift_of(lambda ranges: first_order(ranges, tau_s=rows * ROW_S))
+    for name, true in (("sd_m", SD_M), ("time_constant_s", rows * ROW_S)):
+        assert getattr(drift.effect, name) == pytest.approx(true, abs=3.0 * drift.std[name])
+
+
 def test_without_a_session_each_trial_of_a_sensor_has_a_path_of_its_own(drive):
     """Both trials begin at 0, and rows of the same time must not be taken for neighbours."""
     evidence, hypothesis = drive
