@@ -15,11 +15,11 @@ the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 % of the surest name
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import exp
+from typing import cast
 
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits, fits_of_contests
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
@@ -150,22 +150,22 @@ def rises_over(evidence: Evidence, fit: HypothesisFit, others: Sequence[Hypothes
 
 def _costs_of_all_rows(evidence: Evidence, several: Sequence[HypothesisFit]) -> dict[HypothesisFit, float]:
     """Return the cost of each hypothesis, fitted to the held-out rows as well; those not known yet side by side."""
-    known = _known_costs(evidence)
-    new = [fit for fit in dict.fromkeys(several) if fit not in known]
+    keys = {fit: (_costs_of_all_rows, fit) for fit in several}
+    new = [fit for fit, key in keys.items() if key not in evidence.memo]
+    evidence.memo.update({keys[fit]: cost for fit, cost in zip(new, _fitted_to_all_rows(evidence, new), strict=True)})
+    return {fit: cast("float", evidence.memo[key]) for fit, key in keys.items()}
+
+
+def _fitted_to_all_rows(evidence: Evidence, several: Sequence[HypothesisFit]) -> list[float]:
+    """Return the costs of hypotheses that are fitted to the held-out rows as well."""
     if not evidence.heldout.any():
-        known.update({fit: fit.cost for fit in new})
-    elif new:
-        none = np.zeros_like(evidence.heldout)
-        all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
-        refits = fits_of_contests([Contest(all_rows, [(fit.hypothesis, fit.x)]) for fit in new])
-        known.update({fit: refit.cost for fit, (refit,) in zip(new, refits, strict=True)})
-    return known
-
-
-@memoized
-def _known_costs(_evidence: Evidence) -> dict[HypothesisFit, float]:
-    """Return the costs of all rows that are known, to which others are added."""
-    return {}
+        return [fit.cost for fit in several]
+    if not several:
+        return []
+    none = np.zeros_like(evidence.heldout)
+    all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
+    refits = fits_of_contests([Contest(all_rows, [(fit.hypothesis, fit.x)]) for fit in several])
+    return [refit.cost for (refit,) in refits]
 
 
 def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
