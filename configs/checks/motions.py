@@ -36,9 +36,6 @@ def _waypoint(path: FieldPath, index: int) -> FieldPath:
 
 def _time_faults(obstacle: Obstacle, path: FieldPath) -> Iterator[ConfigFault]:
     times = [time_s for time_s, _ in stations(obstacle)][1:]
-    if times[0] == 0.0:
-        cure = "leave this waypoint out: at t = 0, the obstacle is at its `center`"
-        yield ConfigFault((*_waypoint(path, 0), "t_s"), got=0, allowed="number > 0", cure=cure)
     for index, (before, after) in enumerate(pairwise(times)):
         if after <= before:
             at, against = (*_waypoint(path, index + 1), "t_s"), (*_waypoint(path, index), "t_s")

@@ -112,7 +112,7 @@ class WallPolygon(Section):
 class Waypoint(Section):
     """Place of an obstacle at one time, relative to its place at t = 0, so that a drawn place moves the whole path."""
 
-    t_s: float = Field(ge=0, le=36_000)
+    t_s: float = Field(gt=0, le=36_000)
     """Time since the start of the run, larger than 0, because the obstacle begins at its `center`."""
     offset: Point2 = (0.0, 0.0)
     """Displacement since t = 0: x, y [m] in W."""

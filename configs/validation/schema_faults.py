@@ -144,8 +144,8 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
         and (hint := _cure_of_size(path, got, shape))
     ):
         return hint
-    if path[:1] == ("routes",) and path[-1] == "runs" and got == 0:
-        return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"
+    if got == 0 and (cure := _cure_of_zero(path)):
+        return cure
     if shape.is_integer and isinstance(got, float) and got.is_integer():
         return f"write {int(got)}, without a decimal point or exponent"
     if path[-1:] == ("counts_per_revolution",) and isinstance(got, float) and got >= 4.0:
@@ -160,6 +160,15 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
         return "write true"
     if shape.types == {"boolean"} and str(got).lower() in {"no", "off", "n", "0"}:
         return "write false"
+    return ""
+
+
+def _cure_of_zero(path: FieldPath) -> str:
+    """Return what to do about a zero where a number above it is needed; empty for most fields."""
+    if path[-3:-2] == ("waypoints",) and path[-1] == "t_s":
+        return "leave this waypoint out: at t = 0, the obstacle is at its `center`"
+    if path[:1] == ("routes",) and path[-1] == "runs":
+        return "to leave a route out, write the list `routes` without it (docs/scenarios.md)"
     return ""
 
 

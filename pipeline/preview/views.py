@@ -16,9 +16,10 @@ from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import RunSpec
 from pipeline.preview.path import PreviewPath
 from pipeline.run_warnings.angles import settings_in_radians
+from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import Appearance
 from symolo.arena.geometry import Arena
-from symolo.core.errors import InputError
+from symolo.core.errors import InputError, nearest
 from symolo.core.geometry.robot_path import RobotPath
 from symolo.core.random_streams import stream
 
@@ -41,6 +42,8 @@ class PreviewImage:
     appearance: Appearance
     assets: Mapping[str, Path]
     """Paths of the user's files of the look, by SHA-256."""
+    further_cameras: tuple[str, ...] = ()
+    """Names of the cameras of this run that the image does not show, except that of data.csv."""
     suspicions: tuple[str, ...] = ()
     """Angles that are probably in radians, in one sentence each."""
 
@@ -64,15 +67,17 @@ def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
 
 
 def views(
-    scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int
+    scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int, *, camera: str = ""
 ) -> Iterator[PreviewImage]:
     """Yield the images 1 to `count`; each is the same whatever the count is.
 
     Every image shows another run: routes take turns, runs count from 1, beyond those of the scenario as if there were
-    more. With several looks each run is shown under all of them, from the same place, before the next one is.
+    more. With several looks each run is shown under all of them, from the same place, before the next one is. The
+    camera is that of data.csv, or a further one by its name.
 
     Raises:
-        InputError: The scenario or a look cannot be used, or a run's values make an impossible world.
+        InputError: The scenario or a look cannot be used, a run's values make an impossible world, or there is no such
+            camera.
     """
     for text in overrides if looks else ():
         if replaced_section(text) == "look":
@@ -83,20 +88,27 @@ def views(
     loaded = [load_scenario(scenario, (*_DRAFT, *choice, *overrides)) for choice in choices]
     for index in range(count):
         run, look = divmod(index, len(loaded))
-        yield _view(loaded[look], index + 1, run, width_px)
+        yield _view(loaded[look], index + 1, run, width_px, camera)
 
 
-def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> PreviewImage:
+def _view(loaded: LoadedScenario, number: int, index: int, width_px: int, camera: str) -> PreviewImage:
     earlier, route = divmod(index, len(loaded.routes))
     spec = draw_run(loaded, loaded.routes[route].name, earlier + 1)
     frame = _frame(spec, number, index)
-    look = Appearance.of(spec)
+    cameras = {one.name: one for one in cameras_of(spec)}
+    further = tuple(name for name in cameras if name not in {"", camera})
+    if camera and camera not in cameras:
+        allowed = f"one of {', '.join(further)}" if further else "nothing: the robot has no further camera"
+        raise InputError("--camera", got=camera, allowed=allowed, nearest=nearest(camera, further))
+    shown_spec = cameras[camera].spec if camera else spec
+    look = Appearance.of(shown_spec)
     height_px = max(1, round(width_px * look.render.height_px / look.render.width_px))
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
-    lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
+    of_camera = f", camera {camera}" if camera else ""
+    lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}{of_camera}", *_words(spec.look))
     name, shown = f"{number} ({spec.key}, {spec.look.name})", replace(look, render=render)
     suspicions = tuple(suspicion.text for suspicion in settings_in_radians(spec))
-    return PreviewImage(number, name, lines, frame, shown, loaded.assets, suspicions)
+    return PreviewImage(number, name, lines, frame, shown, loaded.assets, further, suspicions)
 
 
 def _frame(spec: RunSpec, number: int, index: int) -> FramePose:

@@ -69,9 +69,14 @@ def playback_of(run: Run) -> Playback:
     )
 
 
+def has_specification(run: Run) -> bool:
+    """Return whether a run has a specification, without which its cameras, robot and arena are not known."""
+    return (run.folder / SIDE / SPEC).exists()
+
+
 def _spec(run: Run) -> RunDocument | None:
     """Return the specification of a run; None for one that never had any."""
-    return run.spec if (run.folder / SIDE / SPEC).exists() else None
+    return run.spec if has_specification(run) else None
 
 
 def _no_target_m(spec: RunDocument | None) -> float:

@@ -1,9 +1,12 @@
 """Paths of moving obstacles: what is refused, in one line at its place, and what a file may leave out."""
 
+import json
+
 import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from configs.validation.json_schema import scenario_json_schema
 from symolo.core.errors import InputError
 
 REFUSED = {
@@ -75,6 +78,12 @@ def scenario(text, motion, center="[0.1, 0.0]"):
     ]
     lines = "\n".join(f"    - {obstacle}" for obstacle in obstacles)
     return text.replace("arena: symolo", f"arena:\n  extends: symolo\n  obstacles:\n{lines}")
+
+
+def test_the_schema_refuses_a_waypoint_at_the_start_as_the_check_does():
+    definition = scenario_json_schema()["$defs"]["Waypoint"]["properties"]["t_s"]
+    assert '"exclusiveMinimum": 0' in json.dumps(definition)
+    assert '"minimum"' not in json.dumps(definition)
 
 
 @pytest.mark.parametrize("case", REFUSED.values(), ids=REFUSED.keys())

@@ -214,6 +214,7 @@ def report(
 
 def contact_sheet(
     folder: Shown,
+    *,
     out: Annotated[
         Path,
         typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
@@ -222,6 +223,12 @@ def contact_sheet(
         int, typer.Option(min=1, max=100, metavar="N", help="Number of images of each run, evenly spaced.")
     ] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, metavar="PX", help="Width of each image in pixels.")] = 240,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Further camera of the robot to show, such as left; by default that of data.csv."
+        ),
+    ] = None,
     runs: Runs = None,
 ) -> None:
     """Put images of every run on one sheet, labelled with run, image number and state.
@@ -232,11 +239,15 @@ def contact_sheet(
     """
     from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
     from symolo.pages.sheet import save
+    from symolo.playback.from_run import has_specification
     from symolo.report.contact_sheet import contact_sheet as sheet_of
 
     with shown_runs(folder, runs) as data:
-        save(sheet_of(data, per_run, width_px), out)
+        save(sheet_of(data, per_run, width_px, camera or ""), out)
         note = failed_runs_note(data)
+        further = dict.fromkeys(name for run in data if has_specification(run) for name in run.cameras)
     typer.echo(str(out))
+    if further and camera is None:
+        typer.echo(f"not shown: the cameras {', '.join(further)}; see one of them with --camera NAME")
     if note:
         typer.echo(note)

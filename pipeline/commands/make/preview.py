@@ -48,6 +48,12 @@ def preview(
             help="Looks to show for each run, or `all` for all shipped ones; by default the look of the scenario.",
         ),
     ] = None,
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Further camera of the robot to show, such as left; by default that of data.csv."
+        ),
+    ] = None,
     settings: Settings = None,
     width_px: Annotated[
         int, typer.Option(min=32, max=_MAX_WIDTH_PX, metavar="PX", help="Width of each image in pixels.")
@@ -89,7 +95,7 @@ def preview(
     from symolo.pages.sheet import save
 
     looks = look_names(look) if look is not None else ()
-    drawn = views(scenario, with_device(settings, device), looks, count, width_px)
+    drawn = views(scenario, with_device(settings, device), looks, count, width_px, camera=camera or "")
     first = next(drawn)
     columns = columns or usual_columns(count)
     check_size(first, count, columns)
@@ -104,4 +110,9 @@ def preview(
         raise RunFailed("preview: no image could be made")
     save(sheet(chosen, images, columns), sheet_file)
     typer.echo(f"{sheet_file}: {len(images)} of {plural(count, 'image')}")
+    if count < len(looks):
+        left_out = ", ".join(looks[count:])
+        typer.echo(f"not shown, because -n is smaller than the number of looks: {left_out}")
+    if camera is None and first.further_cameras:
+        typer.echo(f"not shown: the cameras {', '.join(first.further_cameras)}; see one of them with --camera NAME")
     return RUN_FAILED if failures else 0

@@ -15,6 +15,7 @@ from pipeline.preview.engines import usual_columns
 from pipeline.preview.path import PreviewPath
 from pipeline.preview.views import views
 from symolo.arena.geometry import Arena
+from symolo.pages.sheet import LINE_PX
 
 SHARES = np.linspace(0.0, 1.0, 60)
 
@@ -194,3 +195,28 @@ def test_an_image_that_fails_is_reported_and_the_others_are_shown(tmp_path, symo
 @pytest.mark.parametrize(("count", "columns"), [(5, 5), (7, 4), (8, 4), (9, 3), (10, 5), (12, 6), (24, 6)])
 def test_a_sheet_has_as_few_empty_places_as_possible(count, columns):
     assert usual_columns(count) == columns
+
+
+LEFT = "robot.sensors.left={kind: camera, yaw_deg: 90, width_px: 80, height_px: 40, field_of_view_deg: 100}"
+
+
+def test_a_further_camera_is_shown_by_its_name(symolo, tmp_path):
+    """Its images are twice as wide as high, and those of data.csv 4 to 3; below each are four lines of text."""
+    options = ("--engine", "flat", "-n", 1, "--width-px", 80, "--set", LEFT)
+    ended = symolo("preview", "smoke", *options, "--out", tmp_path / "front.png")
+    assert ended.out.endswith("not shown: the cameras left; see one of them with --camera NAME\n")
+    ended = symolo("preview", "smoke", *options, "--camera", "left", "--out", tmp_path / "left.png")
+    assert "not shown" not in ended.out
+    front, left = (cv2.imread(str(tmp_path / f"{name}.png")) for name in ("front", "left"))
+    assert (front.shape[0] - 60, left.shape[0] - 40) == (4 * LINE_PX, 4 * LINE_PX)
+    refused = symolo("preview", "smoke", *options, "--camera", "lft", "--out", tmp_path / "other.png")
+    assert refused.code == 2
+    assert "--camera: got 'lft', allowed: one of left; did you mean left" in refused.err
+    refused = symolo("preview", "smoke", *options[:-2], "--camera", "left", "--out", tmp_path / "other.png")
+    assert "the robot has no further camera" in refused.err
+
+
+def test_looks_that_do_not_fit_on_the_sheet_are_named(symolo, tmp_path):
+    options = ("--engine", "flat", "-n", 2, "--width-px", 64, "--look", "lab,night,garage")
+    ended = symolo("preview", "smoke", *options, "--out", tmp_path / "sheet.png")
+    assert "not shown, because -n is smaller than the number of looks: garage\n" in ended.out

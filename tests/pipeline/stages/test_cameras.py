@@ -17,6 +17,7 @@ from symolo.core.errors import InputError
 from symolo.core.geometry.pinhole import pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.tables.rows import Rows
+from symolo.pages.sheet import LINE_PX
 from symolo.playback.from_run import playback_of
 
 SMALL = "width_px: 32, height_px: 24"
@@ -51,6 +52,19 @@ def made(hands_of_module, tmp_path_factory):
     root = tmp_path_factory.mktemp("cameras") / "data"
     assert main(["release", "smoke", "--out", str(root), *options()]) == 0
     return root
+
+
+def test_a_contact_sheet_shows_a_further_camera_by_its_name(made, symolo, tmp_path):
+    sheet = ("contact-sheet", made, "--width-px", 32, "--per-run", 9, "--out", tmp_path / "sheet.png")
+    assert symolo(*sheet).out.endswith("not shown: the cameras left, rear, right; see one of them with --camera NAME\n")
+    assert cv2.imread(str(tmp_path / "sheet.png")).shape[1] == 32 * IMAGES[""]
+    for name in ("left", "rear"):
+        ended = symolo(*sheet, "--camera", name)
+        assert ended.out == f"{tmp_path / 'sheet.png'}\n"
+        assert cv2.imread(str(tmp_path / "sheet.png")).shape == (24 + LINE_PX, 32 * IMAGES[name], 3)
+    refused = symolo(*sheet, "--camera", "reer")
+    assert refused.code == 2
+    assert "--camera: got 'reer', allowed: one of left, rear, right; did you mean rear" in refused.err
 
 
 def test_each_camera_has_its_own_images_poses_and_intrinsics(made, symolo):
