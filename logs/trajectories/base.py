@@ -28,6 +28,9 @@ class ReadSettings:
     """Whether the direction of the path is the heading, for a log without headings."""
     pose_hz: float | None = None
     """Rate of the poses of a file without times."""
+    body_at_m: tuple[float, float] | None = None
+    """Place of the tracked body on the robot, x ahead and y to the left of the middle of the axle [m]; None if it is
+    not known, and the places of the log are taken for those of the middle of the axle."""
     topics: tuple[str, ...] = ()
     """Topics of a bag, or frames such as `map:base_link`, that give the pose; by default the best there are."""
     report: Report | None = field(default=None, compare=False)

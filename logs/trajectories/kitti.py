@@ -50,11 +50,12 @@ def _beside(path: Path, name: str) -> Path | None:
 
 
 def _check_axes(settings: ReadSettings, origin: Path) -> None:
-    """Refuse axes for poses whose axes are known."""
-    for option, axis in (("--up", settings.up), ("--forward", settings.forward)):
-        if axis is not None:
+    """Refuse axes and a place of the body for poses that are those of the robot."""
+    options = {"--up": settings.up, "--forward": settings.forward, "--body-at": settings.body_at_m}
+    for option, value in options.items():
+        if value is not None:
             cure = f"leave it out: with {origin}, the poses are those of the robot, whose axes are known"
-            raise InputError(option, got=str(axis), cure=cure)
+            raise InputError(option, got=str(value), cure=cure)
 
 
 def _of_robot(X_C0C: Array, origin: Path) -> Array:

@@ -20,6 +20,11 @@ NOTABLE_HEIGHT_M, NOTABLE_TILT_RAD = 0.02, np.radians(5.0)
 """Range of heights and largest tilt of a robot on an even floor, with noise."""
 MIN_WIDTH_M = 0.1
 """Smallest width of a path that shows in which plane it lies."""
+PLACE_OF_CAMERA = (
+    "the poses are those of a camera: x and y are its place, not that of the middle of the axle, because the log does"
+    " not say where on the robot the camera is; give that with --body-at"
+)
+"""Warning for a body that has the axes of a camera."""
 _NO_HEIGHT_M, _NO_TILT_RAD = 1e-6, 1e-5
 """Range of heights and largest tilt that are only rounding errors."""
 _FORWARD_OF_UP = {
@@ -195,8 +200,4 @@ def _place_of_camera(forward: Axis, body_up: Axis) -> list[str]:
     """Return a warning if the body has the axes of a camera (x right, y down, z forward)."""
     if (forward, body_up) != (Axis.Z, Axis.MINUS_Y):
         return []
-    text = (
-        "the poses are those of a camera: x and y are its place, not that of the middle of the axle, because the log"
-        " does not say where on the robot the camera is"
-    )
-    return [text]
+    return [PLACE_OF_CAMERA]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from logs.trajectories.bag import READER as BAG
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
+from logs.trajectories.body_place import moved_to_axle
 from logs.trajectories.readers import READERS
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.file_hashes import sha256_of
@@ -68,7 +69,7 @@ def read_logs(paths: Sequence[Path], name: str | None, settings: ReadSettings) -
         except OSError as error:
             where = str(error.filename or path)
             raise InputError(f"cannot be read: {error.strerror}", where=where, cure="check its permissions") from None
-        for trajectory in trajectories:
+        for trajectory in moved_to_axle(trajectories, settings.body_at_m):
             origin = LogOrigin(
                 file=path.absolute().name,
                 sha256=digest,

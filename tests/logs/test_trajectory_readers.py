@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from logs.axis import Axis
 from logs.trajectories.base import ReadSettings
+from logs.trajectories.body_place import moved_to_axle
 from logs.trajectories.readers import READERS
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import pose_X_WR, quaternions, rotations
@@ -118,6 +120,44 @@ def test_the_pose_of_a_camera_gives_the_heading_of_its_axis(tmp_path):
     _, (trajectory,) = read(written(tmp_path / "camera.txt", tum(X_WR @ X_RC)))
     np.testing.assert_allclose(trajectory.pose[:, 2], YAW, atol=1e-6)
     np.testing.assert_allclose(np.hypot(*trajectory.pose[:, :2].T), math.hypot(RADIUS_M, 0.1), atol=1e-6)
+
+
+def test_poses_of_a_body_beside_the_axle_give_those_of_the_axle_if_its_place_is_known(tmp_path):
+    """The camera is 0.1 m ahead; the marker stands 0.05 m ahead and 0.02 m to the left of the axle."""
+    _, cameras = read(written(tmp_path / "camera.txt", tum(X_WR @ X_RC)))
+    (trajectory,) = moved_to_axle(cameras, (0.1, 0.0))
+    np.testing.assert_allclose(trajectory.pose, POSE, atol=1e-6)
+    assert trajectory.warnings == ()
+    assert (
+        trajectory.changes[-1]
+        == "places of a body at x = 0.1 m, y = 0 m on the robot are moved to the middle of its axle"
+    )
+    X_RM = pose_X_WR(0.05, 0.02, 0.0)
+    _, markers = read(written(tmp_path / "marker.txt", tum(X_WR @ X_RM)))
+    (trajectory,) = moved_to_axle(markers, (0.05, 0.02))
+    np.testing.assert_allclose(trajectory.pose, POSE, atol=1e-6)
+    # At (1, 2) with a heading of 90 degrees, ahead is +y and left is -x.
+    (single,) = moved_to_axle([replace(cameras[0], pose=np.array([[1.0, 2.0, math.pi / 2]]))], (0.05, 0.02))
+    np.testing.assert_allclose(single.pose, [[1.02, 1.95, math.pi / 2]], atol=1e-12)
+    assert list(moved_to_axle(cameras, None)) == cameras
+
+
+def test_a_kitti_sequence_by_hand_gives_the_poses_of_the_robot(tmp_path):
+    """The camera is 0.1 m ahead of the axle and 0.2 m above it, and looks ahead. The robot stands at (1, 2) and faces
+    along x, then at (3, 2) and (3, 4) along y. In the frame of the first image (x right, y down, z forward), the
+    camera is then at (-0.1, 0, 1.9) and (-2.1, 0, 1.9), and has turned to the left by 90 degrees.
+    """
+    poses = "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -0.1 0 1 0 0 1 0 0 1.9\n0 0 -1 -2.1 0 1 0 0 1 0 0 1.9\n"
+    (tmp_path / "sequences/00").mkdir(parents=True)
+    (tmp_path / "poses").mkdir()
+    written(tmp_path / "sequences/00/times.txt", "0\n10\n20\n")
+    written(tmp_path / "sequences/00/origin.txt", "0 0 1 1.1 -1 0 0 2 0 -1 0 0.2\n")
+    written(tmp_path / "sequences/00/calib.txt", "Tr: 0 -1 0 0 0 0 -1 0.2 1 0 0 -0.1\n")
+    name, (trajectory,) = read(written(tmp_path / "poses/00.txt", poses))
+    assert name == "kitti"
+    assert trajectory.t_s.tolist() == [0, 10, 20]
+    expected = [[1, 2, 0], [3, 2, math.pi / 2], [3, 4, math.pi / 2]]
+    np.testing.assert_allclose(trajectory.pose, expected, atol=1e-12)
 
 
 TILTED_X_RC = X_RC @ np.array([[1, 0, 0, 0], [0, math.sqrt(0.75), -0.5, 0], [0, 0.5, math.sqrt(0.75), 0], [0, 0, 0, 1]])

@@ -73,6 +73,15 @@ RowHz = Annotated[
         min=0.01, max=1000, metavar="HZ", help="Sample the trajectory again at this rate; by default its times stay."
     ),
 ]
+BodyAt = Annotated[
+    str | None,
+    typer.Option(
+        "--body-at",
+        metavar="X,Y",
+        help="Place of the tracked body on the robot, in m: x ahead and y to the left of the middle of the axle, such "
+        "as 0.05,0 for the camera of the nominal robot; by default 0,0.",
+    ),
+]
 Topics = Annotated[
     str | None,
     typer.Option(
@@ -108,6 +117,7 @@ def import_logs(
     up: Up = None,
     forward: Forward = None,
     heading_from_path: HeadingFromPath = False,
+    body_at: BodyAt = None,
     pose_hz: PoseHz = None,
     row_hz: RowHz = None,
     topic: Topics = None,
@@ -153,7 +163,7 @@ def import_logs(
     from symolo.core.files.atomic_files import write_file
     from symolo.core.progress import plural, report_here
 
-    settings = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path)
+    settings = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path, body_at=body_at)
     request = ImportRequest(
         tuple(logs), form, settings, row_hz, arena, robot, checked_name("--route", route), name, licence
     )
@@ -200,6 +210,7 @@ def _command_with(mapping: Path, request: "ImportRequest", out: Path) -> list[st
         "--format": (request.format, usual.format),
         "--up": (settings.up, usual.settings.up),
         "--forward": (settings.forward, usual.settings.forward),
+        "--body-at": (_body_at(settings), _body_at(usual.settings)),
         "--row-hz": (request.row_hz, usual.row_hz),
         "--arena": (request.arena, usual.arena),
         "--robot": (request.robot, usual.robot),
@@ -213,6 +224,10 @@ def _command_with(mapping: Path, request: "ImportRequest", out: Path) -> list[st
     return ["symolo", "import", *logs, "--map", str(mapping), *words, *heading, "--out", str(out)]
 
 
+def _body_at(settings: "ReadSettings") -> str:
+    return "" if settings.body_at_m is None else "{:g},{:g}".format(*settings.body_at_m)
+
+
 def read_settings(
     mapping: Path | None,
     up: Axis | None,
@@ -221,13 +236,25 @@ def read_settings(
     topic: str | None,
     *,
     heading_from_path: bool,
+    body_at: str | None,
 ) -> "ReadSettings":
     """Return the settings with which a command reads logs, from its options."""
     from logs.trajectories.base import ReadSettings
     from symolo.core.progress import report_here
 
     topics = names(topic, "--topic") if topic is not None else ()
-    return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, topics, report_here())
+    place_m = _place(body_at) if body_at is not None else None
+    return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, place_m, topics, report_here())
+
+
+def _place(text: str) -> tuple[float, float]:
+    """Return the place of a body on the robot, from the text of --body-at."""
+    from symolo.core.table import number_of
+
+    x_m, y_m, *others = (*map(number_of, text.split(",")), float("nan"), float("nan"))
+    if len(others) != 2 or not (abs(x_m) <= 10 and abs(y_m) <= 10):
+        raise InputError("--body-at", got=text, allowed="two lengths in m up to 10, such as 0.05,0")
+    return x_m, y_m
 
 
 def checked_name(option: str, name: str) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.commands.make.import_logs import (
+    BodyAt,
     Forward,
     HeadingFromPath,
     LogFormat,
@@ -118,6 +119,7 @@ def rerender(
     up: Up = None,
     forward: Forward = None,
     heading_from_path: HeadingFromPath = False,
+    body_at: BodyAt = None,
     pose_hz: PoseHz = None,
     row_hz: RowHz = None,
     topic: Topics = None,
@@ -167,7 +169,7 @@ def rerender(
     overrides = with_device(settings, device)
     request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, overrides, option, name)
     check_overrides(request)
-    reading = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path)
+    reading = read_settings(mapping, up, forward, pose_hz, topic, heading_from_path=heading_from_path, body_at=body_at)
     read = read_sources(
         sources, runs, ImportRequest(tuple(sources), form, reading, row_hz, arena, robot, licence=licence)
     )
