@@ -262,9 +262,9 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
 def _tested_in_sequence(measure: Measure) -> Measure:
     """Return a function that measures with stricter limits each time that a candidate is tested again.
 
-    Its kth test has the error probability p / (k (k + 1)), so the sum over all tests is at most p (Bonferroni's
-    inequality). Tests with few samples, which decide clear cases, thus get the largest share. A test that noise makes a
-    candidate fail, whatever its error, uses nothing up.
+    Its kth test has an error probability proportional to 1 / (k (k + 1)), and the sum over all tests bounds that of the
+    choice (Bonferroni's inequality). Tests with few samples, which decide clear cases, thus get the largest share. A
+    test that noise makes a candidate fail, whatever its error, uses nothing up.
     """
     tested: Candidate | None = None
     number = 1
@@ -273,12 +273,17 @@ def _tested_in_sequence(measure: Measure) -> Measure:
         nonlocal tested, number
         if candidate != tested:
             tested, number = candidate, 1
-        errors = replace(measure(candidate, samples), error_probability=_ERROR_PROBABILITY / (number * (number + 1)))
+        errors = replace(measure(candidate, samples), error_probability=_error_probability(number))
         if errors.scaled(0.0).excess <= 1:
             number += 1
         return errors
 
     return measured
+
+
+def _error_probability(test: int) -> float:
+    """Return the error probability of a candidate's kth test, from 1; the sum over all is `_ERROR_PROBABILITY`."""
+    return _ERROR_PROBABILITY / (test * (test + 1))
 
 
 def _needs_more(samples: int, errors: ImageErrors, saved: int) -> bool:
@@ -301,8 +306,9 @@ def _is_worth(samples: int, errors: ImageErrors, saved: int) -> bool:
 def _first_small(errors: ImageErrors, place: int) -> int:
     """Return the first step of the ladder with a small error, if twice the samples halve the errors at `place`.
 
-    They do not do better, so no step before can do; the last one is returned if none can.
+    They do not do better, so no step before can do; the last one is returned if none can. It will be the first test.
     """
+    errors = replace(errors, error_probability=_error_probability(1))
     steps = range(place, len(LADDER) - 1)
     factors = ((step, LADDER[place].samples / LADDER[step].samples) for step in steps)
     return next((step for step, factor in factors if errors.scaled(factor).excess <= 1), len(LADDER) - 1)

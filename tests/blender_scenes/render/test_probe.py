@@ -105,6 +105,14 @@ def test_references_that_show_a_small_error_get_no_more_samples(error, standard_
     assert (decision.full, decision.reference_samples) == (TracedSamples(samples), reference_samples)
 
 
+def test_what_more_samples_can_save_follows_from_the_first_test_of_the_next_candidate():
+    """References of 16 samples leave open whether 2 samples do: 6.8 - 1.645 * 2 = 3.5. It is their second test. But 4
+    samples will pass their first one with 3.4 + 1.96 * 2 = 7.3 (a second one, with 3.4 + 2.39 * 2 = 8.2, would fail).
+    So 200 images can save 2 samples each, which is less than the cost of 16 references of 32."""
+    decision = _decided_in_noise(200, 6.8, 4.0)
+    assert (decision.full, decision.reference_samples) == (TracedSamples(4), 16)
+
+
 @pytest.mark.parametrize(
     ("images", "samples"), [(1, 8), (4, 8), (5, 16), (8, 16), (9, 32), (17, 64), (34, 128), (9999, 128)]
 )
