@@ -41,7 +41,7 @@ def rows_sentence(measurement: Measurement, evidence: Evidence) -> str:
     names: dict[tuple[int, str], list[str]] = {}
     for observed in evidence.observed:
         names.setdefault((len(observed.values), observed.samples), []).append(observed.name)
-    parts = [f"{count} {samples} quantities {listed(quantities)}" for (count, samples), quantities in names.items()]
+    parts = [f"{count} {samples} of {listed(quantities)}" for (count, samples), quantities in names.items()]
     return (
         f"Of the {rows} rows of the log, the table counts {'; '.join(parts)}. Each of them is fitted, held out, or "
         "unusable. It is unusable where the quantity or an input of its prediction has no good value. It is also "
