@@ -10,6 +10,7 @@ from symolo.core.geometry.lens import coefficients
 from symolo.core.progress import plural
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.documents.camera_model import INTRINSICS
+from symolo.dataset.documents.contents import LAYOUT, Contents
 from symolo.dataset.documents.description import (
     columns_part,
     frames_part,
@@ -37,17 +38,10 @@ def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
 def _head(metadata: Metadata) -> str:
     made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
     about = f"{plain_text(metadata.description)}\n\n" if metadata.description else ""
-    is_imported = any(run.is_imported for run in metadata.runs)
-    kind = "dataset of recorded trajectories" if is_imported else "synthetic dataset"
-    motion = "The motion is that of logs" if is_imported else "The motion is simulated with PyBullet"
-    images = "; the images are path-traced with Blender Cycles at its poses"
-    if not any(run.images for run in metadata.runs):
-        of_log = any(run.cameras for run in metadata.runs)
-        images = ", and so are the images of its cameras" if of_log else ", and there are no images"
+    contents = Contents.of(metadata)
     return (
         f"# {plain_text(metadata.name)}\n\n{about}"
-        f"A {kind} in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
-        f"{motion}{images}.\n\n"
+        f"{contents.kind} in {LAYOUT}.\n{contents.how_made}\n\n"
         f"Licence: {plain_text(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
     )
 
@@ -131,7 +125,8 @@ def _robot(metadata: Metadata, spec: SceneSpec) -> str:
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]
-    whose = "Images are rendered with this robot; the log may be of another one. " if spec.is_imported else ""
+    images = "Images are rendered" if any(run.images for run in metadata.runs) else "`symolo rerender` renders images"
+    whose = f"{images} with this robot; the log may be of another one. " if spec.is_imported else ""
     return (
         f"## Robot\n\n{whose}{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are"
         f" those of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"

@@ -35,6 +35,9 @@ _IN_16_BIT_COLOUR = ("normals", "flow")
 _IMAGES_PER_GROUP = 100
 _WHOLE = "00000-of-00001.parquet"
 """End of the name of a file that has all rows of a split."""
+_IMAGES_TEXT = (
+    "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D."
+)
 _UNDIVIDED = "train"
 """Split of a dataset without splits, as `datasets` names it."""
 _NOT_DIVIDED_ROWS = "all"
@@ -146,9 +149,10 @@ def _sensors(run: Run) -> tuple[str, ...]:
 
 def _card(data: Dataset) -> bytes:
     units, sensors, cameras = _wide(data.runs[0]).attrs[UNITS], _sensors(data.runs[0]), tuple(data.runs[0].cameras)
+    is_imported = data.metadata is not None and any(run.is_imported for run in data.metadata.runs)
     text = [
-        "A row of `images` is an image with the row of `rows` at which it was taken, the camera's pose X_WC, K and D;",
-        "a row of `rows` is a control period.",
+        *([_IMAGES_TEXT] if data.images else []),
+        f"A row of `rows` is {'a pose of the log' if is_imported else 'a control period'}.",
         *(f"A row of `{name}` is a sample of this sensor, at time `t` in ms." for name in sensors),
         *(f"A row of `{name}` is an image of this further camera, with the columns of `images`." for name in cameras),
         *_balance(data),

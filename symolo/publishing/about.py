@@ -86,12 +86,8 @@ class About(_Section):
     """Page of the dataset; that of the DOI by default."""
     description: Annotated[str, Field(max_length=5000)] | None = None
     """Description that replaces that of the scenario."""
-    keywords: Annotated[tuple[Line, ...], _FROM_LIST, Field(min_length=1)] = (
-        "mobile robot",
-        "synthetic data",
-        "localisation",
-        "odometry",
-    )
+    keywords: Annotated[tuple[Line, ...], _FROM_LIST, Field(min_length=1)] | None = None
+    """Keywords that replace those which follow from the contents of the dataset."""
 
     @property
     def year(self) -> int:

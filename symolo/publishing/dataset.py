@@ -1,12 +1,15 @@
 """The facts from which the documents of a publication are written."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 
+from symolo.dataset.documents.contents import Contents
 from symolo.dataset.documents.metadata import Metadata
 from symolo.publishing.about import About
 from symolo.publishing.licences import Licence, licence_of
 from symolo.publishing.membership import Membership
+from symolo.publishing.remaking import Remaking
 from symolo.publishing.tables import PlannedTable
 
 
@@ -31,6 +34,16 @@ class Published:
         """Name of the dataset and of the folder that the shards unpack to."""
         return self.metadata.name
 
+    @cached_property
+    def contents(self) -> Contents:
+        """Origin of its trajectories and images, which every document states."""
+        return Contents.of(self.metadata)
+
+    @cached_property
+    def remaking(self) -> Remaking:
+        """How it was made, and how to make it again."""
+        return Remaking.of(self.metadata)
+
     @property
     def membership(self) -> Membership | None:
         """Split of each run or image; None if the dataset is not divided."""
@@ -52,12 +65,13 @@ class Published:
 
     @property
     def description(self) -> str:
-        """Description by the user, followed by a sentence on how the dataset was made."""
+        """Description by the user, followed by what the dataset is and how it was made."""
         text = (self.about.description if self.about.description is not None else self.metadata.description).strip()
         if text and not text.endswith((".", "!", "?")):
             text += "."
-        origin = (
-            "A synthetic dataset of a small differential robot in the layout of SyMoLo (Synthetic Dataset for Mobile "
-            "Robots Localization Algorithms): motion simulated with PyBullet, images path-traced with Blender Cycles."
-        )
-        return f"{text} {origin}".strip()
+        return f"{text} {self.contents.summary}".strip()
+
+    @property
+    def keywords(self) -> tuple[str, ...]:
+        """Keywords by the user, or those that fit the contents."""
+        return self.about.keywords or self.contents.keywords

@@ -25,7 +25,7 @@ from symolo.publishing.documents.card import card
 from symolo.publishing.documents.citation import citation
 from symolo.publishing.documents.croissant import croissant
 from symolo.publishing.documents.datacite import datacite
-from symolo.publishing.documents.ro_crate import CARD, DESCRIPTOR, SCENARIO, ro_crate
+from symolo.publishing.documents.ro_crate import CARD, DESCRIPTOR, ro_crate
 from symolo.publishing.shards import PlannedShard, planned_shards
 from symolo.publishing.tables import PlannedTable, planned_table
 from symolo.reader.dataset import load
@@ -117,7 +117,9 @@ def _documents(data: Published) -> dict[str, bytes]:
     return {
         **({membership.file: membership.csv()} if membership else {}),
         CARD: card(data),
-        SCENARIO: yaml.safe_dump(data.metadata.scenario, sort_keys=False, allow_unicode=True, width=120).encode(),
+        data.remaking.settings_file: yaml.safe_dump(
+            data.metadata.scenario, sort_keys=False, allow_unicode=True, width=120
+        ).encode(),
         "CITATION.cff": citation(data),
         "croissant.json": canonical_json(croissant(data)),
         "datacite.json": canonical_json(datacite(data)),

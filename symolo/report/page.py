@@ -8,6 +8,7 @@ from statistics import median
 from symolo.core.distributions import in_words
 from symolo.core.errors import one_line
 from symolo.core.progress import seconds
+from symolo.dataset.documents.contents import Contents
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.pages.html import grouped, render_page
 from symolo.pages.states import named
@@ -42,6 +43,7 @@ _SECTIONS = {
 def page(facts: ReleaseFacts, media: Media) -> str:
     """Return the whole page, which needs no file beside itself."""
     metadata = facts.metadata
+    whole = Contents.of(metadata)
     records = [run.record for run in facts.runs]
     outliers = [(group.run, group.worst, f"{group.why}; {group.extent}") for group in facts.outliers]
     return render_page(
@@ -53,6 +55,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         balance=facts.balance,
         media=media,
         metadata=metadata,
+        lead=metadata.description or f"{whole.kind} in the layout of SyMoLo.",
         records=records,
         routes=len({run.route for run in facts.runs}),
         driven=seconds(sum(record.duration_s for record in records)),
@@ -83,7 +86,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         provenance=[
             ("Seed", metadata.seed),
             ("Made with", ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))),
-            ("Rendered on", ", ".join(sorted({record.render_device for record in metadata.runs}))),
+            *([("Rendered on", ", ".join(whole.render_devices))] if whole.render_devices else []),
             *(("Rendering", text) for text in sorted({r.rendering.text for r in metadata.runs if r.rendering})),
             ("Format", f"{metadata.format} {metadata.format_version}"),
         ],

@@ -21,7 +21,7 @@ _SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000
 def card(data: Published) -> bytes:
     """Return the file."""
     metadata = data.metadata
-    parts = [_head(data), _files(data), _use(data)]
+    parts = [_head(data), _files(data), _use(data), _remaking(data)]
     parts += [columns_part(metadata), frames_part(metadata), runs_part(metadata), splits_part(metadata)]
     parts.append(f"## Citation\n\n{plain_text(data.about.citation)}")
     front = yaml.safe_dump(_front_matter(data), sort_keys=False, allow_unicode=True, width=120)
@@ -38,7 +38,7 @@ def _front_matter(data: Published) -> dict[str, Any]:
     return front | {
         "task_categories": ["robotics"],
         "size_categories": [size],
-        "tags": list(data.about.keywords),
+        "tags": list(data.keywords),
         # The Hub shows these; left to itself it would take the shards for samples of WebDataset.
         "configs": [{"config_name": table.name, "data_files": table.file} for table, _ in data.tables],
     }
@@ -63,11 +63,20 @@ def _files(data: Published) -> str:
         ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),
         ("datacite.json", "", "the record in DataCite's schema 4.5"),
         ("CITATION.cff", "", "how to cite it"),
-        ("scenario.yaml", "", "all settings; `symolo release scenario.yaml` makes the dataset again"),
-        ("ro-crate-metadata.json", "", "how the dataset was made, as a Workflow Run RO-Crate 0.5"),
+        (data.remaking.settings_file, "", data.remaking.settings_meaning),
+        ("ro-crate-metadata.json", "", f"how the dataset was made, as a {data.remaking.profile}"),
         ("SHA256SUMS", "", "checksums of all files here"),
     ]
     return f"## Files\n\n{markdown_table(('file', 'size', 'what it is'), rows)}"
+
+
+def _remaking(data: Published) -> str:
+    """Return how to make the dataset again from what is not in the folder; empty if its scenario is enough."""
+    made = data.remaking
+    if not made.steps:
+        return ""
+    listed = [(plain_text(source.name), source.what, source.sha256) for source in made.sources]
+    return f"## Making it again\n\n{made.steps}\n\n{markdown_table(('name', 'what it is', 'SHA-256'), listed)}"
 
 
 def _size(size_bytes: int) -> str:

@@ -19,7 +19,7 @@ def citation(data: Published) -> bytes:
         "version": about.version,
         "date-released": about.published,
         "abstract": data.description,
-        "keywords": list(about.keywords),
+        "keywords": list(data.keywords),
     }
     if data.licence.known:  # the format takes identifiers of SPDX only
         content["license"] = data.licence.spdx

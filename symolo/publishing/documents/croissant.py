@@ -54,7 +54,7 @@ def croissant(data: Published) -> dict[str, Any]:
         "publisher": {"@type": "sc:Organization", "name": about.publisher},
         "datePublished": about.published,
         "version": about.version,
-        "keywords": list(about.keywords),
+        "keywords": list(data.keywords),
         "citeAs": about.citation,
         "isLiveDataset": False,
         "distribution": [

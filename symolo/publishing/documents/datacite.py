@@ -18,7 +18,7 @@ def datacite(data: Published) -> dict[str, Any]:
     about, runs = data.about, data.metadata.runs
     record: dict[str, Any] = {
         "schemaVersion": SCHEMA,
-        "types": {"resourceType": "Simulated robot runs with images", "resourceTypeGeneral": "Dataset"},
+        "types": {"resourceType": data.contents.resource_type, "resourceTypeGeneral": "Dataset"},
         "titles": [{"title": about.title, "lang": "en"}],
         "creators": [_creator(author) for author in about.authors],
         "publisher": {"name": about.publisher},
@@ -26,7 +26,7 @@ def datacite(data: Published) -> dict[str, Any]:
         "dates": [{"date": about.published, "dateType": "Issued"}],
         "language": "en",
         "version": about.version,
-        "subjects": [{"subject": keyword} for keyword in about.keywords],
+        "subjects": [{"subject": keyword} for keyword in data.keywords],
         "descriptions": [{"description": data.description, "descriptionType": "Abstract", "lang": "en"}],
         "rightsList": [_rights(data)],
         "sizes": [f"{sum(shard.size for shard in data.shards)} bytes", plural(len(runs), "run")],

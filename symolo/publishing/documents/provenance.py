@@ -12,6 +12,7 @@ from typing import Any
 
 from symolo.core.files.file_hashes import canonical_json, sha256_of
 from symolo.dataset.bag import read_cpu_classes
+from symolo.dataset.documents.contents import Contents
 from symolo.dataset.documents.metadata import Metadata
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 
@@ -37,7 +38,7 @@ def provenance(root: Path, metadata: Metadata) -> bytes:
                 "externalParameters": {"scenario": metadata.scenario},
                 "internalParameters": {
                     "cpuClasses": list(read_cpu_classes(root)),
-                    "renderDevices": sorted({run.render_device for run in metadata.runs}),
+                    "renderDevices": list(Contents.of(metadata).render_devices),
                 },
                 "resolvedDependencies": [*_packages(programs), *_files(metadata.scenario)],
             },

@@ -1,7 +1,11 @@
-"""ro-crate-metadata.json: the scenario as a workflow, its run, and the files that the run made.
+"""ro-crate-metadata.json: the command that made the dataset, and the files that it made.
+
+A scenario is described as a workflow, of which the release is a run. An import, or a new rendering of trajectories, is
+described as a process without a workflow, since the folder contains none that makes the dataset again.
 
 The formats: RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) with the profiles Workflow Run RO-Crate 0.5
-(https://w3id.org/ro/wfrun/workflow/0.5) and Workflow RO-Crate 1.0. The package rocrate 0.16 writes ids and times of its
+(https://w3id.org/ro/wfrun/workflow/0.5) and Workflow RO-Crate 1.0, or Process Run Crate 0.5
+(https://w3id.org/ro/wfrun/process/0.5). The package rocrate 0.16 writes ids and times of its
 own, so that the same release would not give the same bytes.
 """
 
@@ -10,14 +14,16 @@ from typing import Any
 
 from symolo.publishing.about import Author
 from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.remaking import SCENARIO, SETTINGS, Remaking
 
-DESCRIPTOR, SCENARIO, CARD = "ro-crate-metadata.json", "scenario.yaml", "README.md"
+DESCRIPTOR, CARD = "ro-crate-metadata.json", "README.md"
 _CONTEXT = ("https://w3id.org/ro/crate/1.1/context", {"sha256": "http://schema.org/sha256"})
 """The context of RO-Crate 1.1 has the terms of schema.org 10, which did not have sha256 yet."""
 _CRATE = "https://w3id.org/ro/crate/1.1"
 _WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
-_PROFILES = {
-    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+_PROCESS = {"https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate"}
+_WORKFLOW = {
+    **_PROCESS,
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     _WORKFLOW_CRATE: "Workflow RO-Crate",
 }
@@ -32,42 +38,43 @@ def ro_crate(data: Published) -> dict[str, Any]:
 
 
 def _entities(data: Published) -> Iterator[dict[str, Any]]:
-    about, licence = data.about, data.licence
+    about, licence, made = data.about, data.licence, data.remaking
     files = [*data.shards, *(file for file, _ in data.described_tables)]
     authors = [_author(author, number) for number, author in enumerate(about.authors, start=1)]
-    programs = [_program(name, version) for name, version in sorted(data.metadata.made_with.items())]
+    profiles = _WORKFLOW if made.is_workflow else _PROCESS
     yield {
         "@id": DESCRIPTOR,
         "@type": "CreativeWork",
         "about": {"@id": "./"},
-        "conformsTo": _ids([_CRATE, _WORKFLOW_CRATE]),
+        "conformsTo": _ids([_CRATE, _WORKFLOW_CRATE] if made.is_workflow else [_CRATE]),
     }
-    yield {
+    root = {
         "@id": "./",
         "@type": "Dataset",
-        "conformsTo": _ids(_PROFILES),
+        "conformsTo": _ids(profiles),
         "name": about.title,
         "description": data.description,
         "datePublished": about.published,
         "version": about.version,
-        "keywords": ", ".join(about.keywords),
+        "keywords": ", ".join(data.keywords),
         "license": {"@id": licence.url} if licence.url else licence.name,
         "author": _ids(author["@id"] for author in authors),
         "publisher": {"@id": "#publisher"},
-        "hasPart": _ids([SCENARIO, CARD, *(file.name for file in files)]),
-        "mainEntity": {"@id": SCENARIO},
+        "hasPart": _ids([made.settings_file, CARD, *(file.name for file in files)]),
         "mentions": {"@id": _RUN},
-    } | ({"identifier": about.address} if about.address else {})
-    yield from _workflow(data)
+    }
+    root |= {"mainEntity": {"@id": SCENARIO}} if made.is_workflow else {}
+    yield root | ({"identifier": about.address} if about.address else {})
+    yield from _workflow(data) if made.is_workflow else _inputs(made)
     yield {
         "@id": _RUN,
         "@type": "CreateAction",
-        "name": f"symolo release {SCENARIO}",
-        "description": f"Simulated and rendered {data.name} with the seed {data.metadata.seed}.",
-        "instrument": {"@id": SCENARIO},
+        "name": made.command,
+        "description": made.action,
+        "instrument": {"@id": SCENARIO if made.is_workflow else _address("symolo")},
         "agent": {"@id": authors[0]["@id"]},
         "endTime": about.published,
-        "object": {"@id": _SEED_VALUE},
+        "object": {"@id": _SEED_VALUE} if made.is_workflow else _ids(_source_ids(made)),
         "result": _ids(file.name for file in files),
         "actionStatus": "http://schema.org/CompletedActionStatus",
     }
@@ -87,9 +94,29 @@ def _entities(data: Published) -> Iterator[dict[str, Any]]:
     yield {"@id": "#publisher", "@type": "Organization", "name": about.publisher}
     if licence.url:
         yield {"@id": licence.url, "@type": "CreativeWork", "name": licence.name, "identifier": licence.spdx}
-    yield from programs
-    for address, name in _PROFILES.items():
+    for name, version in sorted(({"symolo": ""} | data.metadata.made_with).items()):
+        yield _program(name, version)
+    for address, name in profiles.items():
         yield {"@id": address, "@type": "CreativeWork", "name": name, "version": address.rpartition("/")[2]}
+
+
+def _source_ids(made: Remaking) -> list[str]:
+    return [f"#source-{number}" for number in range(1, len(made.sources) + 1)]
+
+
+def _inputs(made: Remaking) -> Iterator[dict[str, Any]]:
+    """Yield the file with the settings, and the logs and releases, which are not in the folder."""
+    yield {
+        "@id": SETTINGS,
+        "@type": "File",
+        "name": SETTINGS,
+        "description": made.settings_meaning,
+        "encodingFormat": "application/yaml",
+    }
+    for name, source in zip(_source_ids(made), made.sources, strict=True):
+        yield {"@id": name, "@type": "CreativeWork", "name": source.name, "description": source.text} | (
+            {"sha256": source.sha256} if source.sha256 else {}
+        )
 
 
 def _workflow(data: Published) -> Iterator[dict[str, Any]]:
