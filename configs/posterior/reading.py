@@ -1,4 +1,9 @@
-"""The key `like` of a scenario: the posterior file that it names, read strictly."""
+"""The key `like` of a scenario: the posterior file that it names, read strictly.
+
+The scenario of a published dataset contains the whole posterior in place of the path, so that `release` makes the
+dataset again without the file. It may come from a stranger, so it is checked as strictly as a file, and nothing in it
+is executed.
+"""
 
 import os
 from pathlib import Path
@@ -7,7 +12,8 @@ from pydantic import ValidationError
 
 from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
-from configs.posterior.schema import FILE, VERSION, Posterior
+from configs.posterior.schema import FILE, VERSION, LoadedPosterior, Posterior
+from configs.schema.base import Section
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape
 from symolo.core.errors import InputError, together
@@ -16,6 +22,14 @@ from symolo.core.yaml.reader import displayed, read_yaml
 from symolo.core.yaml.tree import Node, node_of
 
 KEY = "like"
+
+
+class _Stored(Section):
+    """A posterior within a scenario."""
+
+    like: LoadedPosterior
+
+
 _ALLOWED = f"the output folder of `symolo diagnose`, or its {FILE}"
 
 
@@ -32,13 +46,17 @@ def with_posterior(root: Node) -> Node:
     """Return a scenario with the content of the posterior file that it names in place of the path.
 
     Raises:
-        InputError: There is no such file, it has a different version, or something in it is wrong.
+        InputError: There is no such file, it has a different version, or something in it is wrong; or the scenario
+            contains the posterior itself, and something in that is wrong.
     """
     named = root.child(KEY)
     if named is None or not isinstance(root.value, dict):
         return root
     if named.value is None:
         return Node({key: node for key, node in root.value.items() if key != KEY}, root.where)
+    if isinstance(named.value, dict):
+        _check_stored(named)
+        return root
     if not isinstance(named.value, str) or not named.value:
         raise InputError(KEY, where=named.where, got=named.plain(), allowed=_ALLOWED)
     return Node({**root.value, KEY: _read(_file(named), named.where)}, root.where)
@@ -79,6 +97,28 @@ def _read(path: Path, where: str) -> Node:
     except ValidationError as error:
         raise together(all_explained(error, complete, Shape.of(Posterior))) from None
     return Node({**fields, "sha256": Node(sha256_of(path), where)}, where)
+
+
+def _check_stored(posterior: Node) -> None:
+    """Check a posterior that a scenario contains.
+
+    Raises:
+        InputError: Something in it is wrong, or an effect of its own is not loaded from a file of the same content.
+    """
+    complete = Node({KEY: posterior}, posterior.where)
+    try:
+        loaded = _Stored.model_validate(complete.plain()).like
+    except ValidationError as error:
+        raise together(all_explained(error, complete, Shape.of(_Stored))) from None
+    for record in loaded.effect_files:
+        file = EFFECTS.files.get(record.name)
+        if file is None or file.sha256 != record.sha256:
+            raise InputError(
+                f"{KEY}.effect_files: {record.file} is not loaded" + (" with this content" if file else ""),
+                where=posterior.where,
+                allowed=f"a file with the SHA-256 {record.sha256}",
+                cure=f"write its text to a file, read it, and name that: symolo --effect-file {record.file} ...",
+            )
 
 
 def _with_records(files: Node, folder: Path) -> Node:

@@ -50,7 +50,7 @@ _OF_POSTERIOR = tuple(
     model.__name__
     for model in (LoadedPosterior, RobotHypothesis, FixedField, FittedNumber, MeasuredRange, ChannelNoise)
 )
-"""Sections of a posterior, which a scenario file names and does not contain."""
+"""Sections of a posterior, which a scenario file names; only that of a published dataset contains it."""
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -77,6 +77,9 @@ def scenario_json_schema() -> dict[str, Any]:
     definitions["RobotConfig"]["properties"]["effect_files"] = _EFFECT_FILES
     top = _mapping(shape.schema, shape, required=False)
     named = [{"type": "string", "description": "path, relative to the YAML file that names it"}, {"type": "null"}]
+    named.append(
+        {"type": "object", "description": "the whole posterior, as the scenario of a published dataset has it"}
+    )
     top["properties"]["like"] = {"anyOf": named, "description": top["properties"]["like"]["description"]}
     for name in ("EffectFile", *_OF_POSTERIOR):
         definitions.pop(name, None)

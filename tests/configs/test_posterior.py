@@ -1,11 +1,13 @@
 """Robots that are drawn from the posterior of a diagnosis."""
 
+import hashlib
 import math
 from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
 import pytest
+import yaml
 
 from configs.draw import draw_all, draw_run
 from configs.loader import load_resolved, load_scenario
@@ -51,6 +53,8 @@ noise:
   - {channel: current_A, unit: A, sd: 0.001, level: 1.1, outliers: 0.01}
 """
 DRAWS = 250
+CODE = "raise SystemExit"
+CODE_SHA256 = hashlib.sha256(CODE.encode()).hexdigest()
 
 
 def written(text: str = POSTERIOR, folder: str = "diagnosis") -> str:
@@ -173,3 +177,53 @@ def test_a_hypothesis_whose_robots_are_all_impossible_is_an_error(monkeypatch):
     text = POSTERIOR.replace("low: 0.88, high: 2", "low: 1.9, high: 2")
     with pytest.raises(InputError, match=r"20 robots of torque_constant_scale were drawn, and all are impossible"):
         robots(load_scenario("trial.yaml", [written(text)]), count=1)
+
+
+def packed_scenario(here, change=None) -> Path:
+    """Return the scenario of a publication: the resolved settings in a folder without the posterior file."""
+    tree = load_scenario("trial.yaml", [written()]).tree
+    if change:
+        change(tree["like"])
+    (here / "upload").mkdir()
+    path = here / "upload/scenario.yaml"
+    path.write_text(yaml.safe_dump(tree, sort_keys=False))
+    return path
+
+
+def test_a_scenario_with_the_whole_posterior_in_place_of_its_path_draws_the_same_runs(here):
+    loaded = load_scenario("trial.yaml", [written()])
+    path = packed_scenario(here)
+    (here / "diagnosis" / FILE).unlink()
+    again = load_scenario(str(path))
+    assert again.tree == loaded.tree
+    assert draw_all(again) == draw_all(loaded)
+    assert load_scenario(str(path), ["like=null"]).like is None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda like: like.update(sha256="0"), "like.sha256"),
+        (lambda like: like.pop("sha256"), "like.sha256: missing"),
+        (lambda like: like.update(version=2), "like.version"),
+        (lambda like: like["hypotheses"][0].update(weight=0.5), "like.hypotheses"),
+        (lambda like: like["hypotheses"][0]["numbers"][0].update(mean=math.nan), "like.hypotheses.0.numbers.0.mean"),
+        (lambda like: like["hypotheses"][0]["numbers"][0].update(field="camera.x_m"), "numbers.0.field"),
+        (lambda like: like["hypotheses"][0]["numbers"][0].update(mean={"uniform": [0.9, 1.1]}), "numbers.0.mean"),
+        (lambda like: like.update(noises=[]), "like.noises: unknown key"),
+        (lambda like: like.update(hypotheses=[]), "like.hypotheses"),
+        (lambda like: like.update(robot="scout"), "the diagnosis of --like is of another robot"),
+        (
+            lambda like: like.update(
+                effect_files=[{"name": "magnet", "file": "magnet.py", "sha256": CODE_SHA256, "text": CODE}]
+            ),
+            "like.effect_files: magnet.py is not loaded",
+        ),
+    ],
+)
+def test_a_posterior_within_a_scenario_is_checked_like_a_file(change, message, here):
+    path = packed_scenario(here, change)
+    with pytest.raises(InputError) as error:
+        load_scenario(str(path))
+    assert message in str(error.value)
+    assert "scenario.yaml:" in str(error.value)
