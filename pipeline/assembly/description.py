@@ -20,6 +20,7 @@ from symolo.dataset.documents.description import (
     splits_part,
 )
 from symolo.dataset.documents.metadata import Metadata, side_tables
+from symolo.dataset.documents.robots import SimulatedRobots
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.layout import DATA
@@ -126,9 +127,12 @@ def _robot(metadata: Metadata, spec: SceneSpec) -> str:
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]
     images = "Images are rendered" if any(run.images for run in metadata.runs) else "`symolo rerender` renders images"
+    about = f"{plain_text(robot.name)}: {plain_text(robot.description)}."
     whose = f"{images} with this robot; the log may be of another one. " if spec.is_imported else ""
+    robots = SimulatedRobots.of(metadata)
+    deviations = "" if spec.is_imported or robots.is_as_set else f" {plain_text(robots.text)}"
     return (
-        f"## Robot\n\n{whose}{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are"
+        f"## Robot\n\n{whose}{about}{deviations} Positions are in R; values are"
         f" those of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"
     )
 

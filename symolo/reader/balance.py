@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symolo.dataset.annotations import CATEGORIES
+from symolo.dataset.documents.robots import SimulatedRobots, robot_of_run
 from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -106,6 +107,7 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
     if data.splits is None:
         return None
     record = data.splits
+    diagnosis = SimulatedRobots.of(data.metadata).diagnosis if data.metadata else ""
     contents = {name: SplitContent(name) for name in record.names}
     of_runs, of_images = record.of_runs, record.of_images
     done, knows_line = 0, bool(data.runs)
@@ -122,7 +124,7 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
             parts[split] = []
         for split, images in parts.items():
             content = contents[split]
-            _add_run(content, run, images)
+            _add_run(content, run, images, diagnosis)
             for image in images:
                 seen = classes.seen(image)
                 content.images += 1
@@ -135,12 +137,12 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
     return Balance(tuple(contents.values()), record.by, record.how, names, knows_line)
 
 
-def _add_run(content: SplitContent, run: Run, images: Sequence[Image]) -> None:
+def _add_run(content: SplitContent, run: Run, images: Sequence[Image], diagnosis: str) -> None:
     """Add the properties of a run, and the range of its speed at the images."""
     content.runs[run.name] = None
     content.routes[run.spec.route] = None
     content.looks[run.spec.look.name] = None
-    content.robots[run.spec.robot.name] = None
+    content.robots[robot_of_run(run.spec.robot.name, run.spec.drawn, diagnosis)] = None
     if images and "v" in run.table.columns:
         speeds = run.image_table.twist[[image.index for image in images], 0]
         known = speeds[np.isfinite(speeds)]

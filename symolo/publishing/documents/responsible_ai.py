@@ -3,13 +3,14 @@
 The terms: https://docs.mlcommons.org/croissant/docs/croissant-rai-spec.html. Everything is read from metadata.json.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from symolo.core.errors import one_line
 from symolo.core.progress import plural
 from symolo.dataset.documents.contents import Contents, logs_of, sources_of
 from symolo.dataset.documents.metadata import Metadata
+from symolo.dataset.documents.robots import SimulatedRobots
 
 RAI_CONFORMS_TO = "http://mlcommons.org/croissant/RAI/1.0"
 MAX_ENTRIES = 200
@@ -138,7 +139,9 @@ def _limitations(metadata: Metadata, contents: Contents) -> Iterator[str]:
         yield from _limits_of_records(contents)
     else:
         yield "Robot, sensors and light are models; the manual of symolo says how each compares with measurements."
-        yield from _limits_of_robots(metadata)
+        robots = SimulatedRobots.of(metadata)
+        yield robots.text
+        yield from robots.ranges
     for run in metadata.runs:
         yield from (f"{run.run}: {warning}" for warning in run.warnings)
 
@@ -150,19 +153,6 @@ def _limits_of_records(contents: Contents) -> Iterator[str]:
             "Room, light, materials and camera of the rendered images are models: they are no photographs of the place"
             " in which the logs were recorded."
         )
-
-
-def _limits_of_robots(metadata: Metadata) -> Iterator[str]:
-    robot = metadata.scenario.get("robot", {})
-    if not isinstance(robot, Mapping):
-        return
-    effects = robot.get("effects") or {}
-    names = ", ".join(sorted(effects)) if isinstance(effects, Mapping) else ""
-    yield f"Deviations of the robot from its data sheet: {names}." if names else "The robot is as its data sheet says."
-    for seen in robot.get("effect_ranges") or ():
-        if isinstance(seen, Mapping):
-            effect, quantity, low, high = (seen.get(key) for key in ("effect", "quantity", "low", "high"))
-            yield f"A diagnosis observed {effect} only where {quantity} is from {low} to {high}."
 
 
 def _limited(texts: Iterator[str]) -> list[str]:
