@@ -134,7 +134,9 @@ def _check_origin(log: Path) -> None:
     header = first_line(log).split(",")
     run = log.parent.parent if log.parent.name == SIDE else log.parent
     if header == list(WHEELS.header) or (log.name == DATA and (log.parent / SIDE / WHEELS.file).is_file()):
-        cure = f"diagnose the run: symolo diagnose {run} --out {run.absolute().name}-diagnosis"
+        cure = "diagnose the folder of the run from which it was copied, the one with data.csv"
+        if (run / DATA).is_file():
+            cure = f"diagnose the run: symolo diagnose {run} --out {run.absolute().name}-diagnosis"
         raise InputError("is a table of a run of symolo, which needs no case", where=str(log), cure=cure)
 
 

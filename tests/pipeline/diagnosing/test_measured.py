@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 
@@ -52,6 +53,17 @@ def test_a_table_of_a_run_of_our_own_becomes_no_case(dataset, symolo, tmp_path):
         assert (ended.code, ended.out) == (2, "")
         assert f"diagnose the run: symolo diagnose {run} --out test_1-diagnosis" in ended.err
     assert not (tmp_path / "case").exists()
+
+
+def test_a_table_that_was_copied_out_of_its_run_is_no_run(dataset, symolo, tmp_path):
+    """The folder beside it has no data.csv, so that a diagnosis of it would only be refused again."""
+    table = tmp_path / "side" / "wheels.csv"
+    table.parent.mkdir()
+    shutil.copy(dataset / "CW" / "test_1" / "side" / "wheels.csv", table)
+    ended = symolo("case", "init", table, "--out", tmp_path / "case")
+    assert (ended.code, ended.out) == (2, "")
+    assert "diagnose the folder of the run from which it was copied, the one with data.csv" in ended.err
+    assert str(tmp_path) not in ended.err.replace(str(table), "")
 
 
 def test_the_stages_predict_runs_of_our_own_from_voltages_and_counts(dataset):
