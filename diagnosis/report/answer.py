@@ -6,12 +6,15 @@ from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.file_numbers import agree
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import discovered, predictive
+from diagnosis.report.sentences import discovered, parameters_off, predictive
 
 
 def answer(data: ReportData) -> dict[str, object]:
-    """Return the answer in GAP_FORMAT, with the conclusion, and `intervals` and `without` if effects are named."""
+    """Return the answer in GAP_FORMAT, with the conclusion, the parameters that are far outside their tolerances, and
+    `intervals` and `without` if effects are named.
+    """
     result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
+    result["parameters_off"] = parameters_off.in_json(parameters_off.parameters_off(data.diagnosis.fit))
     result["predictive"] = predictive.in_json(data.predictive)
     result |= discovered.in_json(data.diagnosis.discovery)
     if errors := fitted_errors(data.diagnosis.fit):

@@ -21,6 +21,7 @@ from diagnosis.report.sentences.compared import (
     source_text,
 )
 from diagnosis.report.sentences.no_name import why_no_name
+from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.summary import reasoning
@@ -46,6 +47,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         plots=plots,
         source=summary_line(diagnosis.measurement),
         headline=verdict.headline(diagnosis),
+        numbers_off=off_sentences(diagnosis),
         effect_sentences=[*verdict.effect_sentences(diagnosis), *filter(None, [why_no_name(diagnosis)])],
         gain_sentences=verdict.gain_sentences(data),
         left_out=left_out_sentence(diagnosis.measured),

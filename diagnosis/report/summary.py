@@ -15,6 +15,7 @@ from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences import discovered, file_numbers
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.no_name import why_no_name
+from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.quantities import meaning, with_error
 from diagnosis.report.sentences.rows import too_large
 from diagnosis.report.verdict import (
@@ -51,6 +52,7 @@ def summary(data: ReportData) -> list[str]:
         *_warnings(data),
         "",
         *wrap(headline(diagnosis), WIDTH),
+        *wrap(off_sentences(diagnosis, "+-"), WIDTH, break_on_hyphens=False),
     ]
     lines += wrap(why_no_name(diagnosis), WIDTH)
     for named, ablation in zip(diagnosis.named, data.ablations, strict=True):

@@ -23,6 +23,7 @@ from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences.file_numbers import label
+from diagnosis.report.sentences.parameters_off import parameters_off
 from diagnosis.report.sentences.quantities import (
     along,
     confidence,
@@ -59,6 +60,8 @@ def headline(diagnosis: Diagnosis) -> str:
             return f"The real robot differs from the nominal one by {listed(names)}."
         if diagnosis.conclusion is CaseVerdict.UNDECIDED:
             text = f"These data neither confirm the nominal simulation nor name what differs: {_open(diagnosis)}."
+        elif parameters_off(diagnosis.fit):
+            text = "No effect is needed to explain these data, but numbers of the nominal robot seem to be wrong."
         else:
             text = "The nominal simulation explains these data, within the tolerances of its parameters."
         stuck = _stuck(diagnosis)
@@ -220,14 +223,15 @@ def reach(intervals: Sequence[Interval]) -> str:
     return f"{percent(widest.level)} profile interval {ends}" + (", open at a bound" if widest.is_open else "")
 
 
-def nothing_left(diagnosis: Diagnosis) -> str:
+def nothing_left(diagnosis: Diagnosis, *, numbers_are_off: bool = False) -> str:
     """Return that no structure in the residuals is certain, and which one is most likely, in one or two sentences."""
+    nothing = "Beside these numbers, nothing" if numbers_are_off else "Nothing"
     first = next(iter(diagnosis.adequacy.structures), None)
     if first is None or first.p >= DOUBT:
         smallest = f" (smallest p-value of all tests: {first.p:.2g})" if first else ""
-        return f"Nothing: no covariate shows more structure in the residuals than is expected by chance{smallest}."
+        return f"{nothing}: no covariate shows more structure in the residuals than is expected by chance{smallest}."
     return (
-        f"Nothing is certain. The residuals of {first.observed} may depend on {along(first.covariate)} "
+        f"{nothing} is certain. The residuals of {first.observed} may depend on {along(first.covariate)} "
         f"(p = {first.p:.2g}), but structure counts as such only if p is below {LEVEL:g}."
     )
 
