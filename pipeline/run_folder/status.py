@@ -273,7 +273,7 @@ def _released(workspace: Workspace, run: str, *, pending: bool, has_images: bool
     missing = [name for name in done.files if not is_plain_file(workspace.out / run / name)]
     if missing:
         return StageStatus("release", f"without {missing[0]}", "some of its files are missing")
-    return StageStatus("release", "done", "after its other stages" if pending else "")
+    return StageStatus("release", "done", "it is assembled again after its other stages" if pending else "")
 
 
 def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec | None]:

@@ -82,7 +82,7 @@ def _release(release: ReleaseStatus) -> str:
     if release.missing_lists:
         return f"release: not finished, {' and '.join(release.missing_lists)} missing"
     if release.faults is None:
-        return "release: its lists of checksums are there; --check checks every file"
+        return "release: finished; --check compares every file with its checksum"
     if release.faults:
         return f"release: {plural(release.faults, 'fault')}; `symolo verify` lists them"
     return "release: every file as it was released"

@@ -50,7 +50,7 @@ class FileResult:
         text = {
             Verdict.CLOSE: f"{'equal within ' if math.isfinite(level_db) else ''}{shown_db(level_db)}: {what}",
             Verdict.DIFFERENT: f"different ({shown_db(level_db)}): {what}",
-            Verdict.FOLLOWS: "differs; it is written from the other files, or describes how they were made",
+            Verdict.FOLLOWS: "differs, because it lists or describes the other files",
         }.get(self.verdict, self.verdict.value)
         return one_line(f"{self.name}: {text}")
 

@@ -145,6 +145,7 @@ def rerender(
 
     The first draw of a look is the same as with --look; the others have different seeds, which are in metadata.json.
     """
+    from configs.references import shipped_names
     from pipeline.executors.local import Local
     from pipeline.importing.imported_runs import ImportRequest
     from pipeline.rerendering.rerender import (
@@ -160,7 +161,11 @@ def rerender(
 
     option = "--look" if looks is None else "--looks"
     if (look is None) == (looks is None):
-        raise InputError(option, allowed="one look with --look, or several looks with --looks")
+        if look is not None:
+            raise InputError("--look and --looks are both given", cure="keep one of them")
+        allowed = "--look NAME for one look, or --looks NAME,... for several"
+        cure = f"shipped looks are {', '.join(shipped_names('look'))}"
+        raise InputError("no look is named", allowed=allowed, cure=cure)
     if looks is None and draws is not None:
         raise InputError("--draws", got=draws, cure="name the looks with --looks")
     if name is not None:

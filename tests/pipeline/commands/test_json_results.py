@@ -65,7 +65,10 @@ def test_what_a_folder_contains_and_what_the_next_release_would_do(dataset, copy
     shutil.rmtree(root / ".stages/render/CW/test_1")
     document = result("status", root)
     assert document["release_finished"] is False
-    assert document["next_release"] == {"render: it was never begun": 1, "release: after its other stages": 1}
+    assert document["next_release"] == {
+        "render: it was never begun": 1,
+        "release: it is assembled again after its other stages": 1,
+    }
 
 
 def test_how_alike_two_releases_are(dataset, copy_of, result):

@@ -86,7 +86,7 @@ def test_a_dry_run_says_what_a_release_would_take_away_do_and_keep_and_writes_no
     for text in (
         "1 run (CW/test_1): render: look.sun.elevation_deg ",
         "1 run (CCW/test_1): render: look.sun.elevation_deg ",
-        "2 runs (CW/test_1, CCW/test_1): release: after its other stages\n",
+        "2 runs (CW/test_1, CCW/test_1): release: it is assembled again after its other stages\n",
     ):
         assert f"would be done by the next release, {text}" in ended.out
     assert "kept" not in ended.out

@@ -156,7 +156,7 @@ def test_processors_and_programs_that_differ_are_reported(pair, symolo):
     ended = symolo("compare", *pair)
     assert ended.code == 6
     assert ended.out.splitlines() == [
-        "bag-info.txt: differs; it is written from the other files, or describes how they were made",
+        "bag-info.txt: differs, because it lists or describes the other files",
         f"other CPU class, which may decide low bits: {cpus[0]} in A, {cpus[1]} in B",
         "the same values: 4 of 5 files identical, no number or pixel differs in the others",
     ]

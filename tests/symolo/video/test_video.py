@@ -12,13 +12,15 @@ from PIL import Image
 
 from symolo.core.errors import InputError
 from symolo.playback.from_run import playback_of
+from symolo.playback.playback import CurvePlot, PlottedCurve
 from symolo.reader.dataset import load
 from symolo.video.build import Video, VideoSettings
+from symolo.video.canvas import Canvas, text_width
 from symolo.video.encoders import gif_chunks, mp4_chunks, webp_chunks
 from symolo.video.floor import FloorView
 from symolo.video.frames import RunFrames, times_s
 from symolo.video.rows import row_at
-from symolo.video.time_plots import ticks_around
+from symolo.video.time_plots import TimePlot, ticks_around
 
 SMALL = VideoSettings(width_px=320, fps=Fraction(5), speed=1.0, max_runs=12)
 CAMERA = (slice(35, 50), slice(75, 90))
@@ -181,3 +183,51 @@ def test_the_command_writes_the_video(root, tmp_path, symolo):
     assert ended.code == 0
     # Four frames for each of two runs, and the pauses.
     assert ended.out == f"{out}: 2 runs, {(2 * (4 + 2)) / 5:.1f} s, {out.stat().st_size / 1e6:.1f} MB\n"
+
+
+class Texts:
+    """The words that a canvas was told to write, with the left end of each."""
+
+    def __init__(self, monkeypatch):
+        self.written = []
+        write = Canvas.text
+
+        def text(canvas, words, x, y, size_px, *colour):
+            self.written.append((words, x, text_width(words, size_px)))
+            return write(canvas, words, x, y, size_px, *colour)
+
+        monkeypatch.setattr(Canvas, "text", text)
+
+
+@pytest.mark.parametrize("size_px", [(300, 300), (500, 240), (160, 400)])
+def test_the_scale_bar_is_as_long_as_its_label_says(root, size_px, monkeypatch):
+    texts = Texts(monkeypatch)
+    playback = playback_of(load(root).runs[0])
+    pixels = FloorView(playback, *size_px).frame(0).pixels
+    ((label, left, _),) = texts.written
+    length_m = float(label.removesuffix(" m"))
+    bottom = size_px[1] - 0.5 * 0.03 * size_px[1]
+    rows = pixels[round(bottom) - 2 : round(bottom) + 2, : size_px[0] // 2]
+    bar_px = np.flatnonzero(rows.min(axis=(0, 2)) < 170)
+    # The whole window is the arena and the path with a margin, and the narrower side of it fills the picture.
+    points = [playback.pose[:, :2], *(edge for pair in playback.arena.line.edges() for edge in pair)]
+    points += [box.footprint() for box in playback.arena.boxes if box.motion is None]
+    everything = np.concatenate(points)
+    extent_m = np.ptp(everything, axis=0) + 2 * 0.12
+    scale = min(size_px[0] / extent_m[0], size_px[1] / extent_m[1])
+    assert bar_px[0] == pytest.approx(left, abs=2)
+    assert np.ptp(bar_px) == pytest.approx(length_m * scale, abs=3)
+
+
+def test_times_below_a_plot_stand_where_a_curve_has_them(monkeypatch):
+    """The curve is 0 except for one row at 4 s, whose peak is drawn there."""
+    texts = Texts(monkeypatch)
+    t_s = np.arange(0, 10.01, 0.05)
+    values = np.where(np.abs(t_s - 4) < 0.01, 1.0, 0.0)
+    plot = CurvePlot("signal", "m", t_s, (PlottedCurve("signal", values, "#ff0000", "-"),))
+    canvas = Canvas.blank(400, 120)
+    TimePlot(plot, (0.0, 10.0), 400, 120, 10.0).draw(canvas, 0.0)
+    middles = {words: left + 0.5 * width for words, left, width in texts.written if words in {"0", "5", "10 s"}}
+    red = (canvas.pixels[..., 0] > 200) & (canvas.pixels[..., 1] < 90) & (canvas.pixels[..., 2] < 90)
+    peak = np.flatnonzero(red[20:60].any(axis=0)).mean()
+    assert peak == pytest.approx(middles["0"] + 4 / 5 * (middles["5"] - middles["0"]), abs=2)
