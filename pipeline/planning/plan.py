@@ -42,7 +42,7 @@ PROBED_SAMPLES, HYBRID_PROBED_SAMPLES = 42, 4
 """Samples of a pixel of each image from which a run chooses. With full rendering: four references of 8, because
 candidates are refused from 8 on, and candidates with 2 and 4, whose denoiser takes the time of two each; 8 was the
 median of five shipped looks (2 to 64, docs/rendering_measurements.md). With hybrid rendering: four references of 1, as
-in the two runs with it that were measured. Noisy references take more."""
+in the three runs with it that were measured. Noisy references take more."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Time [s] on one core for all annotations of a pixel."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
