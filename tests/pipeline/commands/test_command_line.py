@@ -387,8 +387,8 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     # `standard` takes 81 % of the time of `complete` (docs/rendering.md).
     lit = planned("render.samples=1", "render.denoise=false", "render.light_paths.preset=complete")
     assert lit.render_s == pytest.approx(traced_s / 0.81 + shared_s, rel=0.02)
-    # In 4 of 201 images, a choice takes four references of 8 samples with all light, besides its candidates.
-    assert parts.render_s - planned("render.method=hybrid").render_s > 4 * 8 * traced_s / 0.82 * 4 / 201
+    # In 4 of 201 images, a choice takes four references of 1 sample with all light, besides its candidate.
+    assert parts.render_s - planned("render.method=hybrid").render_s > 4 * traced_s / 0.82 * 4 / 201
     assert (
         "quality    draft, 9 samples"
         in symolo("plan", "smoke", "--set=render.quality=draft", "--set=render.samples=9").out
