@@ -104,7 +104,6 @@ def test_the_table_of_the_splits_names_the_diagnosis(painted, like, copy_of, sig
 @pytest.mark.parametrize(
     ("settings", "text"),
     [
-        (("robot.drive.wheel_friction=0.8",), "The robot is as its settings say; it has no effect beyond them."),
         (("robot.motor.coulomb_friction_N_m={uniform: [0.01, 0.02]}",), "Numbers of the robot are drawn for each run"),
         (
             ("robot.effects.supply_sag.source_resistance_ohm=0.3",),
@@ -116,6 +115,12 @@ def test_without_a_diagnosis_the_settings_of_the_robot_decide(settings, text):
     loaded = load_scenario("smoke", list(settings))
     specs = draw_all(loaded)
     assert text in SimulatedRobots.of(fake_metadata(loaded.tree, specs)).text
+
+
+def test_a_robot_of_which_nothing_is_drawn_is_as_its_settings_say():
+    loaded = load_scenario("smoke")
+    metadata = fake_metadata(loaded.tree, [spec.model_copy(update={"drawn": {}}) for spec in draw_all(loaded)])
+    assert SimulatedRobots.of(metadata).text == "The robot is as its settings say; it has no effect beyond them."
 
 
 @pytest.mark.parametrize(
