@@ -1,7 +1,7 @@
 """Measures of photographs from which the settings of a camera, a floor and a line follow."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.photographs.image_figures import ImageFigures, edge_px, floor_mask, laplacian, line_mask
+from diagnosis.photographs.line_edges import with_light_edges
 from diagnosis.photographs.line_place import BgrImage, LinePlace
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.response import corner_share, inverse_tone
@@ -66,6 +67,10 @@ class PhotographMeasures:
             line_noise=float(noise[line[1:-1, 1:-1]].mean()),
             overshoot=_overshoot(grey, place),
         )
+
+    def with_light_edges(self, contrast: float) -> "PhotographMeasures":
+        """Return the measures with the width of the line in linear light, by the contrast of the camera."""
+        return replace(self, place=with_light_edges(self.place, contrast))
 
     @cached_property
     def figures(self) -> ImageFigures:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from configs.draw import draw_run
@@ -49,7 +50,9 @@ def fit_look(
         InputError: There is no look `base`, a setting of it is wrong, it has files that cannot be kept, or too little
             of the floor is visible.
     """
-    camera = fit_camera(read.measured, base_camera(base, keeps_files=floor is not None))
+    base_look = base_camera(base, keeps_files=floor is not None)
+    read = replace(read, measured=tuple(each.with_light_edges(base_look.contrast) for each in read.measured))
+    camera = fit_camera(read.measured, base_look)
     return FittedLook(
         name=re.sub(r"[^A-Za-z0-9_-]+", "_", out.absolute().name).strip("_-")[:64] or "my_look",
         base=base,

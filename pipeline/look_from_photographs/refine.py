@@ -67,7 +67,8 @@ def _rendered(look: FittedLook, settings: RenderSettings, report: Report) -> tup
             write_file(folder / name, data)
         places = [photograph.place for photograph in look.photographs]
         views = list(look_views(str(file), places, settings.geometry, count, settings.seed))
-        return measured_images(views, settings.workers, report)
+        contrast = look.camera.look.contrast
+        return tuple(each.with_light_edges(contrast) for each in measured_images(views, settings.workers, report))
 
 
 def measured_images(views: Sequence[PreviewImage], workers: int, report: Report) -> tuple[PhotographMeasures, ...]:

@@ -1,5 +1,7 @@
 """The scenario beside a fitted look: the camera where the photographs were taken from, and the line in its width."""
 
+import math
+
 import numpy as np
 
 from configs.draw import draw_run
@@ -12,6 +14,8 @@ from symolo.core.errors import InputError
 from symolo.core.progress import plural
 
 _MAX_HEIGHT_M = 2.0
+_NO_CONTRAST = 1.0
+"""Contrast of a camera whose tone curve is that of sRGB."""
 _AHEAD_M = 0.13
 """Place of the camera ahead of the axle: before the body of the robot, and near enough to keep the line in sight."""
 _FURTHER_M = 0.25
@@ -35,6 +39,20 @@ def camera_height_m(look: FittedLook, geometry: ViewGeometry) -> float:
         cure = "correct the width of the line or the field of view"
         raise InputError(problem, where="--line-width-mm", allowed=f"at most {_MAX_HEIGHT_M:.0f} m", cure=cure)
     return height_m
+
+
+def _distance_range_mm(look: FittedLook, geometry: ViewGeometry) -> tuple[int, int]:
+    """Return the smallest and the largest distance of the camera from the floor, in whole millimetres outwards.
+
+    Photographs do not reveal the contrast of the camera, on which the edges of the line depend. The range is that of
+    all photographs, each with the contrast of the fit and with that of sRGB.
+    """
+    distances_m = [
+        geometry.distance_m(photograph.with_light_edges(contrast).place)
+        for photograph in look.photographs
+        for contrast in (look.camera.look.contrast, _NO_CONTRAST)
+    ]
+    return math.floor(1000 * min(distances_m)), math.ceil(1000 * max(distances_m))
 
 
 def view_begins_m(height_m: float, geometry: ViewGeometry, size_px: tuple[int, int]) -> float:
@@ -85,11 +103,10 @@ def _robot() -> RobotConfig:
 def scenario_text(look: FittedLook, look_file: str, geometry: ViewGeometry) -> str:
     """Return the file of a scenario whose images show the line as the photographs do."""
     base_height_m = _robot().chassis.base_height_m
-    distances_m = [geometry.distance_m(photograph.place) for photograph in look.photographs]
     height_m = camera_height_m(look, geometry)
     line_px = median_of(look.photographs, lambda p: p.place.width_px)
     width_px, height_px = look.size_px
-    spread = f"{1000 * min(distances_m):.0f} to {1000 * max(distances_m):.0f} mm"
+    spread = " to ".join(f"{limit_mm}" for limit_mm in _distance_range_mm(look, geometry)) + " mm"
     return f"""\
 # View of {plural(len(look.photographs), "photograph")}: the line is {line_px:.0f} px wide where it crosses the image.
 # Routes and robot are those of `{SCENARIO}`, except the camera. A comment names what set each value.
