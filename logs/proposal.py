@@ -14,6 +14,7 @@ from logs.plausible_units import beyond_scale, likely_unit
 from logs.quantity import DUTY, LogKind
 from logs.times import usual_step
 from logs.units import PERCENT, factor_to, taken_apart
+from logs.wrapped_angles import LEAST_WRAP_DEG
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

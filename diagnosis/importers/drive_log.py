@@ -11,6 +11,8 @@ from diagnosis.importers.motor_step import check_rate
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.pose_by_ticks import pose_by_ticks
+from logs.wrapped_angles import BEYOND_RAD
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.table import CsvTable
@@ -41,7 +43,9 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     with faults.noted():
         nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
     faults.check()
-    units = _travel_notes(nominal, measurement)
+    moved = pose_by_ticks(measurement)
+    # With the wrong sign of a count, the wheels seem to travel as in another unit.
+    units = [] if moved is not None and moved.has_wrong_sign else _travel_notes(nominal, measurement)
     robot = nominal.robot
     wheels = CountedWheels(robot.wheel_radius_m.value, robot.encoder_ticks_per_revolution)
     checks = drive_checks(wheels, measurement, has_wrong_unit=bool(units))
@@ -75,8 +79,10 @@ def _check_heading(measurement: Measurement) -> None:
         known = np.flatnonzero(np.isfinite(theta))
         turned = np.diff(theta[known])
         jumps = (np.abs(np.abs(turned) - 2.0 * np.pi) < WRAP_WITHIN_RAD) & (np.diff(trial.t_s[known]) < LONGEST_STEP_S)
-        # Where most steps are as large as a turn, the column is in another unit, and a note says so.
-        if jumps.any() and np.median(np.abs(turned)) < WRAP_WITHIN_RAD:
+        # Where most steps are as large as a turn, or values lie beyond one, the column is in another unit, and a note
+        # says so.
+        is_within_turn = np.abs(theta[known]).max(initial=0.0) <= BEYOND_RAD
+        if jumps.any() and is_within_turn and np.median(np.abs(turned)) < WRAP_WITHIN_RAD:
             before, i = known[int(np.argmax(jumps)) :][:2].tolist()
             raise InputError(
                 f"column theta_rad: goes from {theta[before]:.6g} to {theta[i]:.6g}",

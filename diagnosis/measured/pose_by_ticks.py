@@ -44,6 +44,9 @@ class PoseByTicks:
     """Share of the squares of the distances over SPAN_S that the ticks explain."""
     turn_share: float
     """Share of the squares of the turns over SPAN_S that the ticks explain."""
+    turn_share_of_mean: float
+    """Share of the squares of the turns over SPAN_S that the mean of the ticks explains, with its sign. It is that of
+    their difference if one of the counts has the wrong sign."""
     is_forward_clear: bool
     """Whether pose and wheels drive rather than turn on the spot, so that `forward_share` says something."""
     is_turn_clear: bool
@@ -54,9 +57,20 @@ class PoseByTicks:
         """Whether the ticks explain both distances and turns, so that a robot's dimensions follow from them."""
         return min(self.forward_share, self.turn_share) >= MIN_SHARE and min(self.m_per_tick, self.rad_per_tick) > 0.0
 
+    @property
+    def has_wrong_sign(self) -> bool:
+        """Whether the pose turns with the sum of the counts, so that one of them has the wrong sign."""
+        return self.is_turn_clear and self.turn_share < MIN_SHARE <= abs(self.turn_share_of_mean)
+
     def contradictions(self) -> Iterator[str]:
         """Yield a sentence for the sign, if there is one, that poses and ticks do not belong together."""
-        if self.is_turn_clear and self.turn_share < MIN_SHARE:
+        if self.has_wrong_sign:
+            side, other = ("left", "right") if self.turn_share_of_mean > 0.0 else ("right", "left")
+            yield (
+                f"enc_{side}_ticks has the wrong sign: theta_rad turns with the sum of the counts and not with their "
+                f"difference; give enc_{side}_ticks factor: -1, or enc_{other}_ticks if the pose then moves backwards"
+            )
+        elif self.is_turn_clear and self.turn_share < MIN_SHARE:
             yield "theta_rad does not follow the wheels: check the columns of left and right, heading and time"
         elif self.is_turn_clear and self.rad_per_tick < 0.0:
             yield (
@@ -99,6 +113,9 @@ def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
         forward_share=float((forward @ by_ticks) ** 2 / max((by_ticks @ by_ticks) * (distance @ distance), TINY)),
         turn_share=float(
             (turned @ by_difference) ** 2 / max((by_difference @ by_difference) * (turned @ turned), TINY)
+        ),
+        turn_share_of_mean=float(
+            (turned @ by_ticks) * abs(turned @ by_ticks) / max((by_ticks @ by_ticks) * (turned @ turned), TINY)
         ),
         is_forward_clear=distance_m > MIN_STEP_M
         and float(by_ticks @ by_ticks) > 0.25 * float(by_difference @ by_difference),

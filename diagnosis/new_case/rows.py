@@ -20,6 +20,7 @@ from logs.possible_motion import check_motion, larger_time_unit
 from logs.proposal import unit_faults
 from logs.times import goes_back, usual_step
 from logs.units import factor_to, unit_of
+from logs.wrapped_angles import whole_turn
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.progress import plural
@@ -286,7 +287,7 @@ def _unwrapped(part: _Rows, name: str) -> _Rows:
         return part
     angle = part.values[name].copy()
     known = np.isfinite(angle)
-    angle[known] = np.unwrap(angle[known])
+    angle[known] = np.unwrap(angle[known], period=whole_turn(angle[known]))
     return _Rows(part.t_s, {**part.values, name: angle}, part.words)
 
 

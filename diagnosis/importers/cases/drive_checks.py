@@ -76,6 +76,10 @@ def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterat
         measurement: The drive.
         agree_with_pose: Whether the ticks agree with the poses, so that their signs are right.
     """
+    if _are_exchanged(measurement):
+        also = "" if agree_with_pose else ", or the counts"
+        yield f"{CHECK} u_left_V and u_right_V: each wheel follows the voltage of the other one; exchange them{also}"
+        return
     for side in ("left", "right"):
         voltage, ticks = f"u_{side}_V", f"enc_{side}_ticks"
         if not measurement.has(voltage, ticks):
@@ -90,6 +94,28 @@ def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterat
                 f"{CHECK} {voltage} and {ticks}: the {side} wheel turns against its voltage; {cure}, or exchange left "
                 "and right if both wheels do so"
             )
+
+
+def _are_exchanged(measurement: Measurement) -> bool:
+    """Return whether the wheels turn together with the sum of both voltages, but apart against their difference."""
+    if not measurement.has("u_left_V", "u_right_V", "enc_left_ticks", "enc_right_ticks"):
+        return False
+    rows = np.concatenate(
+        [
+            np.hstack([_held_and_moved(trial, f"u_{side}_V", f"enc_{side}_ticks") for side in ("left", "right")])
+            for trial in measurement.trials
+        ]
+    )
+    left_V, left, right_V, right = rows[np.isfinite(rows).all(axis=1)].T
+    apart, sums = (right_V - left_V, right - left), (right_V + left_V, right + left)
+    if np.count_nonzero(apart[0] * apart[1]) < MIN_DRIVEN_ROWS:
+        return False
+    return _cosine(*apart) < -AGAINST and _cosine(*sums) > AGAINST
+
+
+def _cosine(one: Array, other: Array) -> float:
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(one @ other) / size if size > 0.0 else 0.0
 
 
 def _held_and_moved(trial: Trial, voltage: str, ticks: str) -> Array:

@@ -226,6 +226,16 @@ def test_a_wrong_unit_is_the_only_sign_though_the_places_do_not_follow_the_headi
     assert re.findall(r"CHECK ([^:]*)", out) == ["THE UNIT of theta_rad"]
 
 
+@pytest.mark.parametrize(("named", "factor"), [("heading_rad", 1.0), ("heading_deg", np.pi / 180.0)])
+def test_a_wrapped_heading_in_another_unit_than_its_name_says_is_found_by_the_turns(named, factor, init, columns):
+    known = (f"ticks_per_turn={TICKS}", f"wheel_diameter_m={2 * RADIUS}", f"track_m={TRACK}")
+    logged = {name: column for name, column in columns.items() if name != "heading_deg"}
+    logged[named] = np.round(factor * columns["heading_deg"], 6)
+    _, out, _, _ = init(logged, *(word for setting in known for word in ("--set", setting)))
+    (check,) = re.findall(r"CHECK (.*)", out)
+    assert re.match(r"THE UNIT of theta_rad: it is about (57\.|0\.0174)", check)
+
+
 def test_a_gap_is_noted_and_is_no_jump_of_a_counter(init, columns):
     logged = {name: np.delete(column, slice(200, 260)) for name, column in columns.items()}
     _, out, _, _ = init(logged, "--set", f"ticks_per_turn={TICKS}")
@@ -241,7 +251,13 @@ def test_a_gap_is_noted_and_is_no_jump_of_a_counter(init, columns):
         (lambda c: {**c, "heading_deg": c["heading_deg"] + 90}, "x_m and y_m do not move where theta_rad points"),
         (lambda c: {**c, "enc_l": -c["enc_r"], "enc_r": -c["enc_l"]}, "the pose moves backwards while the ticks grow"),
         (lambda c: {**c, "heading_deg": 10 * np.sin(np.arange(600))}, "theta_rad does not follow the wheels"),
+        (lambda c: {**c, "enc_r": -c["enc_r"]}, "enc_right_ticks has the wrong sign"),
+        (lambda c: {**c, "enc_l": -c["enc_l"]}, "enc_left_ticks has the wrong sign"),
         (lambda c: {**c, "motor_l [mV]": -c["motor_l [mV]"]}, "u_left_V and enc_left_ticks"),
+        (
+            lambda c: {**c, "motor_l [mV]": c["motor_r [mV]"], "motor_r [mV]": c["motor_l [mV]"]},
+            "u_left_V and u_right_V",
+        ),
         (lambda c: c, ""),
     ],
 )
