@@ -237,7 +237,7 @@ def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:
     largest = float(np.abs(known).max())
     wraps = turned[turned > np.pi]
     # Steps of some degrees may be as large as a turn in radians, so a jump by 360 decides first.
-    is_wrapped_deg = bool(np.any(turned > 300.0))
+    is_wrapped_deg = bool(np.any(turned > LEAST_WRAP_DEG))
     is_wrapped_rad = len(wraps) > 0 and float(np.median(np.abs(wraps - 2.0 * np.pi))) < 1.0
     is_fast = len(turned) > 0 and float(np.quantile(turned, 0.9)) > FASTEST_TURN_RAD_S * max(step_s, 1e-3)
     if largest > 2.0 * np.pi + 0.5 and (is_wrapped_deg or (is_fast and not is_wrapped_rad)):
