@@ -254,7 +254,7 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
         if _needs_more(samples, errors, images * saved):
             samples *= 2
         else:
-            place = max(_first_small(errors.least, place), place + 1)
+            place = _first_small(errors.least, place)
         errors = measure(LADDER[place], samples)
     return Decision(job_sha256, None, LADDER[place], errors, samples)
 
@@ -304,11 +304,11 @@ def _is_worth(samples: int, errors: ImageErrors, saved: int) -> bool:
 
 
 def _first_small(errors: ImageErrors, place: int) -> int:
-    """Return the first step of the ladder with a small error, if twice the samples halve the errors at `place`.
+    """Return the first step of the ladder beyond `place` with a small error, if twice the samples halve the errors.
 
     They do not do better, so no step before can do; the last one is returned if none can. It will be the first test.
     """
     errors = replace(errors, error_probability=_error_probability(1))
-    steps = range(place, len(LADDER) - 1)
+    steps = range(place + 1, len(LADDER) - 1)
     factors = ((step, LADDER[place].samples / LADDER[step].samples) for step in steps)
     return next((step for step, factor in factors if errors.scaled(factor).excess <= 1), len(LADDER) - 1)

@@ -24,7 +24,7 @@ Mask = NDArray[np.bool_]
 TOLERANCE_RAD_S = 0.02
 TOLERANCE = 2e-3
 """Relative to the speed, in addition to `TOLERANCE_RAD_S`."""
-SHARE = 0.1
+TOLERANCE_SHARE = 0.1
 """Share of the tolerance for the second prediction of the end of a step, before it is divided."""
 MAX_RELIEF, MAX_DAMPING = 0.98, 20.0
 """Greatest part of a motor's damping that the slope of a torque may take away, and greatest multiple that it may add;
@@ -129,7 +129,7 @@ class RigidWheels:
             return speed, angle, rough
         # Only the rough ones use the result, so that no wheel depends on others in the same arrays.
         again, angle_again = self._corrected(part, stall, state, loads, (speed, angle))
-        still_rough = _far_off(again, speed, SHARE, rough)
+        still_rough = _far_off(again, speed, TOLERANCE_SHARE, rough)
         return np.where(rough, again, speed), np.where(rough, angle_again, angle), still_rough
 
     def _corrected(
@@ -188,8 +188,10 @@ class RigidWheels:
 def _far_off(speed_rad_s: Array, predicted_rad_s: Array, share: float, among: Mask | None = None) -> Mask | None:
     """Return which speeds are far from their predictions, relative to a share of the tolerance; None for none.
 
+    If one wheel of a robot is, all are: through the supply and the body, each changes the torque of the others.
+
     Args:
-        speed_rad_s: Speeds.
+        speed_rad_s: Speeds (..., wheels).
         predicted_rad_s: Predicted speeds.
         share: Share of the tolerance.
         among: Wheels that count; all by default.
@@ -199,4 +201,6 @@ def _far_off(speed_rad_s: Array, predicted_rad_s: Array, share: float, among: Ma
         return None
     rough = off > share * (TOLERANCE_RAD_S + TOLERANCE * np.abs(speed_rad_s))
     rough = rough if among is None else rough & among
-    return rough if np.count_nonzero(rough) else None
+    if not np.count_nonzero(rough):
+        return None
+    return np.broadcast_to(rough.any(axis=-1, keepdims=True), rough.shape)

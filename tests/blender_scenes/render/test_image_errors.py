@@ -70,7 +70,7 @@ def test_the_standard_error_counts_rare_bright_pixels_wherever_they_may_be():
     step = _grey(METERED * 1.001) - _grey(METERED)
     expected = 0.002 * 0.998 * (300 * step) ** 2 / (6 * TRUTH[..., 0].size) ** 0.5
     # It is never less than for noise that is alike everywhere, so it is a little too large on average.
-    assert np.mean([each.standard_error for each in estimates]) == pytest.approx(expected, rel=0.2)
+    assert 0.95 < np.mean([each.standard_error for each in estimates]) / expected < 1.2
     assert np.std([each.rendering for each in estimates]) == pytest.approx(expected, rel=0.4)
     assert np.median([each.rendering for each in estimates]) < 0
 

@@ -113,6 +113,13 @@ def test_what_more_samples_can_save_follows_from_the_first_test_of_the_next_cand
     assert (decision.full, decision.reference_samples) == (TracedSamples(4), 16)
 
 
+def test_a_long_run_tests_again_a_candidate_that_would_have_passed_a_first_test():
+    """With references of 8 samples, 2 samples fail their first test with 4 + 1.96 * 3.6 = 11.1; with those of 16, the
+    second one with 4 + 2.39 * 1.8 = 8.3, where 1.96 would pass with 7.5. With 32, 4 + 2.64 * 0.9 = 6.4 passes."""
+    decision = _decided_in_noise(5000, 4.0, 3.6)
+    assert (decision.full, decision.reference_samples) == (TracedSamples(2), 32)
+
+
 @pytest.mark.parametrize(
     ("images", "samples"), [(1, 8), (4, 8), (5, 16), (8, 16), (9, 32), (17, 64), (34, 128), (9999, 128)]
 )

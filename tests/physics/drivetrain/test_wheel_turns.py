@@ -9,6 +9,7 @@ from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.wheel_turns import WheelLoad, counted_turns
 from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
 from physics.effects.driver_and_battery.current_limit import CurrentLimit
+from physics.effects.driver_and_battery.supply_sag import SupplySag
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
 from physics.robot.stack import stacked
@@ -94,3 +95,17 @@ class TestTorqueThatChangesWithTheSpeed:
         for k, robot in enumerate(robots):
             alone = turned([robot])
             np.testing.assert_allclose(together[:, k], alone, rtol=1e-12)
+
+
+def test_a_wheel_at_a_constant_voltage_follows_a_supply_that_the_other_one_changes():
+    """While one wheel reverses, the supply of both changes within a row: the same as in rows a hundred times finer."""
+    robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+    light = robot.motor.model_copy(update={"rotor_inertia_kg_m2": robot.motor.rotor_inertia_kg_m2 / 8.0})
+    robot = robot.model_copy(update={"motor": light}).with_effect(SupplySag(source_resistance_ohm=1.0))
+    model, finer = RobotModel.from_config(robot.with_effect(CurrentLimit(limit_A=0.2))), 100
+    other = np.repeat([5.0, -4.0, 2.0, -5.0, 0.5, 4.5], 4)
+    volts = np.stack([np.full(len(other), 4.0), other], axis=1)[:, None]
+    turned = counted_turns(model, volts, ROW_S, np.zeros(1))[:, 0]
+    fine = counted_turns(model, np.repeat(volts, finer, axis=0), ROW_S / finer, np.zeros(1))
+    expected = fine.reshape(len(other), finer, 2).sum(axis=1)
+    np.testing.assert_allclose(turned / ROW_S, expected / ROW_S, atol=0.02)
