@@ -43,10 +43,15 @@ def first_bytes(path: Path, count: int) -> bytes:
 
 def first_line(path: Path) -> str:
     """Return the first line of a file without spaces; empty for a folder and for a file that cannot be read."""
+    return "".join(first_row(path).split())
+
+
+def first_row(path: Path) -> str:
+    """Return the first line of a file as it is, with its tabs; empty for a folder and a file that cannot be read."""
     if not is_file(path):  # opening a pipe or a device could wait forever
         return ""
     try:
         with open_named_file(path) as file:
-            return "".join(file.readline(4096).decode("utf-8-sig", errors="replace").split())
+            return file.readline(4096).decode("utf-8-sig", errors="replace")
     except (OSError, ValueError):
         return ""

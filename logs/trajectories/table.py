@@ -9,10 +9,10 @@ import numpy as np
 
 from logs.counts import jump_note, running_counts
 from logs.drive import COUNTED, DRIVE_TABLE
-from logs.log_file import LogFile, read_log
+from logs.log_file import SEPARATORS, LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
 from logs.proposal import Proposal, missing, propose_as, unit_faults
-from logs.recognition import first_line, is_file
+from logs.recognition import first_row, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.motion_units import heading_unit, per_unit, time_and_length
@@ -35,7 +35,7 @@ LOG_TABLE = "log"
 DRIVE_LOG = "drive_log"
 """Kind of a mapping file of `symolo case init` whose quantities are also those of a trajectory."""
 _WHEELS = (COUNTED, ("u_left_V", "u_right_V"))
-_ENDINGS = (".csv", ".txt", ".tsv", ".log")
+_ENDINGS = (".csv", ".txt", ".tsv", ".log", ".dat")
 
 
 def propose_trajectory(log: LogFile) -> Proposal:
@@ -247,7 +247,10 @@ def _others(table: _MappedTable, rows: np.ndarray) -> tuple[LoggedTable, ...]:
 
 
 def _recognises(path: Path) -> bool:
-    return is_file(path) and path.suffix.lower() in _ENDINGS and any(mark in first_line(path) for mark in ",;\t")
+    if not is_file(path) or path.suffix.lower() not in _ENDINGS:
+        return False
+    # A tab at the end of the line separates nothing.
+    return any(separator in first_row(path).strip() for separator in SEPARATORS)
 
 
 READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)

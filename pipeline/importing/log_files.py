@@ -9,6 +9,7 @@ from logs.trajectories.bag import READER as BAG
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.body_place import moved_to_axle
 from logs.trajectories.readers import READERS
+from logs.trajectories.table import READER as TABLE
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.files.plain_files import FileKind
@@ -30,8 +31,13 @@ class ReadLog:
         return f"{self.path}{f' ({self.trajectory.name})' if self.trajectory.name else ''}"
 
 
-def reader_of(path: Path, name: str | None) -> TrajectoryReader:
+def reader_of(path: Path, name: str | None, *, is_mapped: bool = False) -> TrajectoryReader:
     """Return the reader of this name, or the one that recognises the path.
+
+    Args:
+        path: File or folder.
+        name: Name of the reader, or None.
+        is_mapped: Whether a mapping file names columns, so that a file of no known form is a table.
 
     Raises:
         InputError: There is no such path or reader, or none recognises the path.
@@ -46,6 +52,8 @@ def reader_of(path: Path, name: str | None) -> TrajectoryReader:
     for reader in READERS:
         if reader.name == name or (name is None and reader.recognises(path)):
             return reader
+    if is_mapped and path.is_file():
+        return TABLE
     known = "; ".join(f"{reader.name}: {reader.what}" for reader in READERS)
     raise InputError("is not a log of a known form", where=str(path), allowed=known, cure="or choose one with --format")
 
@@ -62,7 +70,7 @@ def read_logs(paths: Sequence[Path], name: str | None, settings: ReadSettings) -
         InputError: A log cannot be read; file, row and column are named.
     """
     for path in paths:
-        reader = reader_of(path, name)
+        reader = reader_of(path, name, is_mapped=settings.mapping is not None)
         try:
             trajectories = reader.read(path, settings)
             digest = _sha256(path, FileKind.BAG if reader is BAG else FileKind.ANY)
