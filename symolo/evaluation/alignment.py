@@ -36,7 +36,7 @@ def alignment(align: Align, estimate: Estimate, truth: Array) -> Movement:
     """Return the movement that aligns an estimate with the true poses (N, 3) of all rows.
 
     Raises:
-        InputError: It is that of all places, and all estimates are at one place, which shows no turn.
+        InputError: It is that of all places, and no turn is better, as if all estimates are at one place.
     """
     true = truth[estimate.rows]
     match align:
@@ -45,24 +45,25 @@ def alignment(align: Align, estimate: Estimate, truth: Array) -> Movement:
         case Align.START:
             return _movement(float(true[0, 2] - estimate.pose[0, 2]), estimate.pose[0, :2], true[0, :2])
         case Align.SE2:
-            return best_movement(estimate.pose[:, :2], true[:, :2])
+            movement = best_movement(estimate.pose[:, :2], true[:, :2])
+            if movement is None:
+                what, cure = "the estimates cannot be aligned, because no turn is better", "leave the alignment out"
+                raise InputError(what, cure=cure)
+            return movement
 
 
-def best_movement(estimated: Array, true: Array) -> Movement:
+def best_movement(estimated: Array, true: Array) -> Movement | None:
     """Return the movement of places (M, 2) with the least squares of the distances from the true places (M, 2).
 
     This is the closed form of Umeyama (IEEE Transactions on Pattern Analysis and Machine Intelligence 13, 1991) in the
-    plane, without a scale.
-
-    Raises:
-        InputError: The places show no turn, because all are the same.
+    plane, without a scale. It is None if all turns are as good, as of places that are all the same, or of the mirror
+    image of a circle.
     """
     middle, true_middle = estimated.mean(axis=0), true.mean(axis=0)
     a, b = estimated - middle, true - true_middle
     along, across = float(np.sum(a * b)), float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
-    if np.hypot(along, across) <= 1e-12 * max(float(np.sum(b * b)), 1e-12):
-        what, cure = "the estimates cannot be aligned, because they show no path", "leave the alignment out"
-        raise InputError(what, cure=cure)
+    if np.hypot(along, across) <= 1e-6 * max(float(np.sum(b * b)), 1e-12):
+        return None
     return _movement(float(np.arctan2(across, along)), middle, true_middle)
 
 

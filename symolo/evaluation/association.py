@@ -63,7 +63,8 @@ def _check_times(times_s: Array, t_s: Array, max_gap_s: float) -> None:
                 continue
             shares = _fit(times_s * factor - origin_s, t_s, max(max_gap_s, half_step_s))
             needed = _LIKELY_SPAN_SHIFTED if origin_s else _LIKELY_SPAN
-            if shares[0] >= _LIKELY_WITHIN and shares[1] >= max(needed, 2 * spanned):
+            is_better = shares[0] >= 2 * within or shares[1] >= 2 * spanned
+            if shares[0] >= _LIKELY_WITHIN and shares[1] >= needed and is_better:
                 raise InputError(_suspicion(unit, origin_s, times_s, t_s), cure=_cure(unit, factor, origin_s))
 
 

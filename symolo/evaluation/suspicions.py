@@ -10,7 +10,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import wrapped
-from symolo.evaluation.alignment import best_movement
+from symolo.evaluation.alignment import Movement, best_movement
 from symolo.evaluation.estimate import Estimate
 
 MUCH_BETTER = 0.2
@@ -52,7 +52,7 @@ def suspicions(estimate: Estimate, truth: Array) -> Iterator[str]:
     if len(pose) < _MIN_POSES or _spread(true) < _MIN_PATH_M or _spread(pose) == 0.0:
         return
     error = _rms(pose - true)
-    movement = best_movement(pose[:, :2], true[:, :2])
+    movement = best_movement(pose[:, :2], true[:, :2]) or Movement(0.0, 0.0, 0.0)
     aligned = movement.applied(estimate).pose
     mirrored = _aligned_rms(pose * [1.0, -1.0, 1.0], true)
     is_far = np.hypot(*(pose - true)[:, :2].mean(axis=0)) > _MIN_SHIFT_M or abs(movement.yaw_rad) > _MIN_TURN_RAD
@@ -81,7 +81,7 @@ def _rms(difference: Array) -> float:
 
 
 def _aligned_rms(pose: Array, true: Array) -> float:
-    movement = best_movement(pose[:, :2], true[:, :2])
+    movement = best_movement(pose[:, :2], true[:, :2]) or Movement(0.0, 0.0, 0.0)
     return _rms(movement.applied(Estimate(np.arange(len(pose)), pose.copy(), None)).pose - true)
 
 

@@ -58,6 +58,14 @@ def test_times_in_another_unit_or_from_another_moment_are_refused_with_the_cure(
         assert message in str(refused.value)
 
 
+@pytest.mark.parametrize("rate_hz", [20, 50, 100])
+def test_milliseconds_that_begin_with_a_long_run_are_refused_although_some_lie_within_it(rate_hz):
+    """Of the times 0, 50, 100 ... of a run of a minute, taken for seconds, the first two are within it, and span it."""
+    rows_s = np.arange(60 * rate_hz + 1) / rate_hz
+    with pytest.raises(InputError, match="are probably milliseconds"):
+        associated(estimates_at(1000 * rows_s), rows_s, 0.01)
+
+
 def test_estimates_of_a_part_of_the_run_are_no_suspicion():
     rows_s = np.arange(0, 1201) / 20
     assert len(associated(estimates_at(rows_s[:30]), rows_s, 0.01).rows) == 30
