@@ -2,12 +2,15 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 
 from pipeline.baselines.base import Estimator
 from pipeline.baselines.runs import TrueRun
 from symolo.core.errors import FaultList, InputError, nearest
+from symolo.core.files.paths import check_path
 from symolo.evaluation.align import Align
 from symolo.evaluation.association import MAX_GAP_S
 from symolo.evaluation.estimate_file import ENDINGS, read_estimate
@@ -17,6 +20,8 @@ OPTION = "--estimate"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}")
 _MAX_LISTED = 5
 """Number of runs and warnings that a message names."""
+_MAX_COMPARED = 1000
+"""Number of names in a folder that are compared with a missing one for a hint."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +35,7 @@ class OwnEstimates(Estimator):
         """Return the file of each of these runs.
 
         Raises:
-            InputError: Runs have none, or several.
+            InputError: Runs have none, or several, or the folder cannot be read.
         """
         if not self.path.is_dir():
             if len(runs) != 1:
@@ -39,7 +44,7 @@ class OwnEstimates(Estimator):
             return {runs[0]: self.path}
         files, missing = {}, []
         for run in runs:
-            places = [place for place in self._places(run) if place.is_file()]
+            places = self._files_of(run)
             if len(places) > 1:
                 what = f"{places[0].name} and {places[1].name} are both for the run {run}"
                 raise InputError(what, where=f"{OPTION} {self.path}", cure="keep one of them")
@@ -51,17 +56,26 @@ class OwnEstimates(Estimator):
             raise InputError(self._missing(missing), where=f"{OPTION} {self.path}", cure=self._cure(missing[0]))
         return files
 
-    def _places(self, run: str) -> list[Path]:
-        """Return where the file of a run may be."""
+    def _files_of(self, run: str) -> list[Path]:
+        """Return the files that are where the file of a run may be."""
         stems = (run, run.replace("/", "_"), f"{run}/{self.name}")
-        return [self.path / f"{stem}{ending}" for stem in stems for ending in ENDINGS]
+        places = [self.path / f"{stem}{ending}" for stem in stems for ending in ENDINGS]
+        try:
+            return [place for place in places if place.is_file()]
+        except OSError as error:
+            cure = "check its permissions"
+            raise InputError(f"cannot be read: {error.strerror}", where=f"{OPTION} {self.path}", cure=cure) from None
 
     def _missing(self, runs: Sequence[str]) -> str:
         more = f" and {len(runs) - _MAX_LISTED} more" if len(runs) > _MAX_LISTED else ""
         return f"has no file for {', '.join(runs[:_MAX_LISTED])}{more}"
 
     def _cure(self, run: str) -> str:
-        there = [path.relative_to(self.path).as_posix() for path in self.path.rglob("*") if path.suffix in ENDINGS]
+        there: list[str] = []
+        # The folder may be the root of a disk, so that only the names in it and in the folders of routes count.
+        with suppress(OSError):
+            for path in islice(chain(self.path.glob("*"), self.path.glob("*/*")), _MAX_COMPARED):
+                there += [path.relative_to(self.path).as_posix()] if path.suffix in ENDINGS else []
         close = nearest(f"{run}.csv", there)
         hint = f"{close} is there; " if close else ""
         return f"{hint}name it {run}.csv or {run}.txt, or choose other runs with --runs"
@@ -71,7 +85,7 @@ def own_estimates(texts: Sequence[str], taken: Sequence[str]) -> tuple[OwnEstima
     """Return the methods that options NAME=PATH name; `taken` are the names of the included methods.
 
     Raises:
-        InputError: One is not of this form, its path does not exist, or a name is used twice.
+        InputError: One is not of this form, its path does not exist or cannot be used, or a name is used twice.
     """
     methods: dict[str, OwnEstimates] = {}
     for text in texts:
@@ -81,6 +95,7 @@ def own_estimates(texts: Sequence[str], taken: Sequence[str]) -> tuple[OwnEstima
             raise InputError(OPTION, got=text, allowed=allowed)
         if name in taken or name in methods or name == "median":
             raise InputError(f"{OPTION} {text}: the name {name} is used already", cure="choose another one")
+        check_path(Path(path), OPTION)
         if not Path(path).exists():
             raise InputError("there is no such file or folder", where=f"{OPTION} {path}")
         methods[name] = OwnEstimates(name, name, f"your own estimates, in {Path(path).name}", Path(path))

@@ -28,6 +28,8 @@ class TumPoses:
     """(N, 3)."""
     rotation: Array
     """(N, 3, 3)."""
+    lines: tuple[int, ...]
+    """Number of the line of each pose, from 1."""
 
 
 def read_tum(path: Path) -> TumPoses:
@@ -42,4 +44,4 @@ def read_tum(path: Path) -> TumPoses:
     if len(short):
         where = f"{path}: row {lines[int(short[0])]}"
         raise InputError("qx qy qz qw", where=where, got=table[short[0], 4:].tolist(), allowed="a unit quaternion")
-    return TumPoses(table[:, 0].copy(), table[:, 1:4].copy(), rotations(table[:, 4:]))
+    return TumPoses(table[:, 0].copy(), table[:, 1:4].copy(), rotations(table[:, 4:]), tuple(lines))

@@ -1,5 +1,6 @@
 """Estimated poses of the robot: at times of their own, and at rows of data.csv."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,8 @@ class EstimatedTrajectory:
     """The poses that a method estimates, at times of its own; anything that NumPy takes for an array may be given.
 
     Raises:
-        InputError: Shapes do not agree, a number is not finite, times do not increase, or a covariance is none.
+        InputError: Shapes do not agree, a number is not finite or too large, times do not increase, or a covariance is
+            none.
     """
 
     t_s: Array
@@ -49,6 +51,7 @@ class EstimatedTrajectory:
                 object.__setattr__(self, name, _checked(name, getattr(self, name), shape))
         if not count:
             raise InputError("an estimate without poses", cure="give at least one pose")
+        check_size(self.t_s, self.pose, lambda i: f"pose {i}")
         late = np.flatnonzero(np.diff(self.t_s) <= 0.0)
         if len(late):
             i = int(late[0]) + 1
@@ -58,13 +61,52 @@ class EstimatedTrajectory:
             raise InputError(f"covariance {i} is none", got=self.covariance[i].tolist(), allowed=COVARIANCE_ALLOWED)
 
 
-COVARIANCE_ALLOWED = "a symmetric matrix with positive eigenvalues"
+MAX_TIME_S, MAX_POSE = 1e20, 1e8
+"""Largest time, and largest number of a pose [m, rad]. Nanoseconds of Unix are about 1.8e18, and coordinates of maps,
+such as the northing of UTM, up to 1e7 m. Squares of larger numbers may not be finite."""
+_MIN_VARIANCE, _MAX_VARIANCE = 1e-18, 1e18
+"""Limits of a variance [m2, rad2]."""
+_MIN_EIGENVALUE = 1e-12
+"""Smallest eigenvalue of the correlations; smaller ones consist of rounding errors."""
+COVARIANCE_ALLOWED = (
+    f"a symmetric matrix with positive eigenvalues, variances from {_MIN_VARIANCE:g} to {_MAX_VARIANCE:g}, and "
+    "correlations between -1 and 1"
+)
+
+
+def check_size(t_s: Array, pose: Array, where_of: Callable[[int], str]) -> None:
+    """Refuse numbers that are too large for errors to be computed.
+
+    Args:
+        t_s: (N,), times.
+        pose: (N, 3), x [m], y [m], yaw [rad].
+        where_of: Function that returns the place of a pose in the input, from its index.
+
+    Raises:
+        InputError: A number is too large.
+    """
+    columns = (
+        ("t [s]", t_s, MAX_TIME_S),
+        *zip(("x [m]", "y [m]", "heading [rad]"), pose.T, [MAX_POSE] * 3, strict=True),
+    )
+    for name, values, limit in columns:
+        too_large = np.flatnonzero(np.abs(values) > limit)
+        if len(too_large):
+            i = int(too_large[0])
+            raise InputError(name, where=where_of(i), got=float(values[i]), allowed=f"up to {limit:g}")
 
 
 def first_impossible(covariance: Array) -> int | None:
     """Return the index of the first matrix of (N, 3, 3) that is no covariance of a pose; None if there is none."""
-    is_symmetric = np.isclose(covariance, covariance.transpose(0, 2, 1), rtol=1e-6, atol=1e-15).all(axis=(1, 2))
-    wrong = np.flatnonzero(~is_symmetric | (np.linalg.eigvalsh(covariance)[:, 0] <= 0.0))
+    variances = np.diagonal(covariance, axis1=1, axis2=2)
+    is_in_range = ((variances >= _MIN_VARIANCE) & (variances <= _MAX_VARIANCE)).all(axis=1)
+    # Entries beyond the limits could overflow below; they are refused also as the limits.
+    bounded = np.clip(covariance, -_MAX_VARIANCE, _MAX_VARIANCE)
+    is_symmetric = np.isclose(bounded, bounded.transpose(0, 2, 1), rtol=1e-6, atol=1e-15).all(axis=(1, 2))
+    sd = np.sqrt(np.clip(variances, _MIN_VARIANCE, _MAX_VARIANCE))
+    # Eigenvalues of correlations do not depend on the units, so that they show whether the matrix can be inverted.
+    eigenvalues = np.linalg.eigvalsh(bounded / (sd[:, :, None] * sd[:, None, :]))
+    wrong = np.flatnonzero(~is_in_range | ~is_symmetric | (eigenvalues[:, 0] < _MIN_EIGENVALUE))
     return int(wrong[0]) if len(wrong) else None
 
 

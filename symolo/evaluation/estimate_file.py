@@ -11,7 +11,7 @@ from symolo.core.files.text_file import TextFile, read_text
 from symolo.core.pose_lines import check_times
 from symolo.core.table import CsvTable, NumberColumn, cells_of, header_faults, table_of
 from symolo.core.tum_file import read_tum
-from symolo.evaluation.estimate import COVARIANCE_ALLOWED, EstimatedTrajectory, first_impossible
+from symolo.evaluation.estimate import COVARIANCE_ALLOWED, EstimatedTrajectory, check_size, first_impossible
 
 ENDINGS = (".csv", ".txt", ".tum")
 """Endings of files of estimates: tables, and lines as of TUM."""
@@ -42,7 +42,9 @@ def _of_lines(path: Path) -> EstimatedTrajectory:
         cure = "write poses of the robot, x forward and z up, not those of a camera, in the frame of data.csv"
         raise InputError(what, where=str(path), cure=cure)
     yaw = np.arctan2(poses.rotation[:, 1, 0], poses.rotation[:, 0, 0])
-    return EstimatedTrajectory(poses.t_s, np.column_stack((poses.place_m[:, :2], yaw)))
+    pose = np.column_stack((poses.place_m[:, :2], yaw))
+    check_size(poses.t_s, pose, lambda i: f"{path}: row {poses.lines[i]}")
+    return EstimatedTrajectory(poses.t_s, pose)
 
 
 def _of_table(path: Path) -> EstimatedTrajectory:
@@ -64,6 +66,7 @@ def _of_table(path: Path) -> EstimatedTrajectory:
     t_s = t[is_there] / per_s
     check_times(t_s, rows, path)
     pose = np.column_stack((x, y, heading / per_rad))[is_there]
+    check_size(t_s, pose, lambda i: f"{path}: row {rows[i]}")
     covariance = _covariance(table.numbers, entries, per_rad)
     covariance = None if covariance is None else covariance[is_there]
     if covariance is not None and (i := first_impossible(covariance)) is not None:

@@ -61,7 +61,11 @@ Forward = Annotated[
 ]
 HeadingFromPath = Annotated[
     bool,
-    typer.Option("--heading-from-path", help="Take the direction of the path for the heading, if none was measured."),
+    typer.Option(
+        "--heading-from-path",
+        help="Take the direction of the path for the heading, if none was measured. It is that of the robot only if "
+        "the places are those of the middle of the axle, so --body-at is refused beside it.",
+    ),
 ]
 PoseHz = Annotated[
     float | None,
@@ -79,7 +83,8 @@ BodyAt = Annotated[
         "--body-at",
         metavar="X,Y",
         help="Place of the tracked body on the robot, in m: x ahead and y to the left of the middle of the axle, such "
-        "as 0.05,0 for the camera of the nominal robot; by default 0,0.",
+        "as 0.05,0 for the camera of the nominal robot; by default 0,0. It needs headings of the log, so "
+        "--heading-from-path is refused beside it.",
     ),
 ]
 Topics = Annotated[
@@ -238,10 +243,19 @@ def read_settings(
     heading_from_path: bool,
     body_at: str | None,
 ) -> "ReadSettings":
-    """Return the settings with which a command reads logs, from its options."""
+    """Return the settings with which a command reads logs, from its options.
+
+    Raises:
+        InputError: An option has a wrong value, or the headings are to follow the path of a body beside the axle.
+    """
     from logs.trajectories.base import ReadSettings
     from symolo.core.progress import report_here
 
+    if heading_from_path and body_at is not None:
+        # Ahead of the axle, the direction of the path differs from the heading by atan(yaw rate * x / speed).
+        what = "the direction of the path of a body is the heading of the robot only at the middle of the axle"
+        cure = "import headings that were measured, or leave one of the two options out"
+        raise InputError(what, where="--heading-from-path and --body-at", cure=cure)
     topics = names(topic, "--topic") if topic is not None else ()
     place_m = _place(body_at) if body_at is not None else None
     return ReadSettings(mapping, up, forward, heading_from_path, pose_hz, place_m, topics, report_here())

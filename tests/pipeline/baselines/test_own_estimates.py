@@ -1,7 +1,9 @@
 """Own estimates beside the baselines: which file belongs to which run, the table, and what is refused."""
 
+import errno
 import json
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,6 +114,7 @@ def test_faults_of_all_files_are_refused_together_before_anything_is_written(sym
         ("ekf=.", "the name ekf is used already"),
         ("mine=absent", "there is no such file or folder"),
         ("a b=.", "letters, digits"),
+        (f"mine={'a' * 300}", "--estimate: cannot be used: File name too long"),
     ],
 )
 def test_options_that_name_nothing_are_refused(text, message):
@@ -154,3 +157,33 @@ def test_missing_and_surplus_files_are_refused(tmp_path):
     assert file.files(["CW/test_9"]) == {"CW/test_9": tmp_path / "CW/test_1.csv"}
     with pytest.raises(InputError, match="is one file for 2 runs"):
         file.files(RUNS)
+
+
+def test_a_hint_names_a_file_where_those_of_runs_are_and_does_not_search_everything(tmp_path, monkeypatch):
+    own = OwnEstimates("mine", "mine", "", tmp_path)
+    for place, is_hinted in (("a/b/CW/test_3.csv", False), ("CW/test3.csv", True)):
+        path = tmp_path / place
+        path.parent.mkdir(parents=True)
+        path.write_text("")
+        with pytest.raises(InputError, match="has no file for CW/test_3") as refused:
+            own.files(["CW/test_3"])
+        assert (f"{place} is there" in str(refused.value)) == is_hinted
+
+    def many(folder, _):
+        for i in range(20_000):
+            assert i < 10_000, "a hint is not worth so many names"
+            yield folder / f"{i}.csv"
+
+    monkeypatch.setattr(Path, "glob", many)
+    monkeypatch.setattr(Path, "rglob", many)
+    with pytest.raises(InputError, match="has no file for CW/test_3"):
+        own.files(["CW/test_3"])
+
+
+def test_a_folder_that_cannot_be_read_is_refused_with_its_path(tmp_path, monkeypatch):
+    def refuse(path):
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "is_file", refuse)
+    with pytest.raises(InputError, match=f"--estimate {tmp_path}: cannot be read: Permission denied"):
+        OwnEstimates("mine", "mine", "", tmp_path).files(["CW/test_1"])

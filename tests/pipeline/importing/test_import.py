@@ -333,6 +333,10 @@ def test_a_data_csv_in_other_units_than_its_own_is_refused(change, what, cure, t
         (["run.csv", "other.csv"], "other.csv: has other columns than the first log"),
         (["empty.csv"], "empty.csv: is empty; record it again"),
         (["noise.bin"], "noise.bin: is not a log of a known form; allowed: bag: "),
+        (
+            ["run.csv", "--heading-from-path", "--body-at", "0.1,0"],
+            "--heading-from-path and --body-at: the direction of the path of a body is the heading of the robot only",
+        ),
         (["run.csv", "--out", "dataset"], "holds files that symolo did not make"),
     ],
 )

@@ -12,7 +12,7 @@ ROWS_S = np.arange(0, 21) / 10
 
 def estimates_at(t_s):
     t_s = np.asarray(t_s, float)
-    return EstimatedTrajectory(t_s, np.column_stack([t_s, 0 * t_s, 0 * t_s]))
+    return EstimatedTrajectory(t_s, np.column_stack([np.minimum(t_s, 1e6), 0 * t_s, 0 * t_s]))
 
 
 def test_each_estimate_belongs_to_the_nearest_row_within_the_gap():

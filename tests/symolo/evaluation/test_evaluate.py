@@ -30,6 +30,25 @@ def test_nees_is_the_mean_square_of_the_error_in_standard_deviations(t_s, truth,
     assert near.errors.within == 1.0  # 4 + 1 + 1
 
 
+def test_numbers_that_no_map_and_no_method_has_are_refused(t_s, truth, moved, at_rows):
+    with pytest.raises(InputError, match=r"pose 0: x \[m\]: got 1e\+160, allowed: up to 1e\+08"):
+        at_rows(truth + np.array([1e160, 0.0, 0.0]))
+    # The northing of UTM is up to 1e7 m, and can be aligned.
+    judged = evaluate_against(t_s, truth, at_rows(moved(truth, 0.3, 5e5, 1e7)), align="se2")
+    assert judged.errors.ate_m == pytest.approx(0.0, abs=1e-6)
+    nearly_one = np.array([[1.0, 1.0, 0.0], [1.0, 1.0 + 1e-15, 0.0], [0.0, 0.0, 1.0]])
+    for matrix in (np.diag([1e-320, 1.0, 1.0]), np.diag([1.0, 1.0, 1e300]), nearly_one):
+        with pytest.raises(InputError, match="covariance 0"):
+            at_rows(truth, np.tile(matrix, (len(truth), 1, 1)))
+
+
+def test_the_smallest_and_largest_covariances_have_a_nees(t_s, truth, at_rows):
+    variances = np.array([1e-18, 1e18, 1e-6])
+    covariance = np.tile(np.diag(variances), (len(truth), 1, 1))
+    judged = evaluate_against(t_s, truth, at_rows(truth + 2 * np.sqrt([0.0, 0.0, 1e-6]), covariance))
+    assert judged.errors.nees == pytest.approx(4 / 3)
+
+
 def test_an_se2_alignment_takes_a_turn_and_a_shift_away(t_s, truth, moved, at_rows):
     given = at_rows(moved(truth, -0.7, 3.0, -1.0))
     judged = evaluate_against(t_s, truth, given, align="se2")
