@@ -38,11 +38,11 @@ _COLUMNS = (
     ("coverage [%]", "coverage", 100.0, 0),
 )
 _ABOUT = """\
-Against the true poses; the included methods are not aligned, because they know the start. ATE is the root mean square
-over all poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided
-by its degrees of freedom: 1 where the stated covariance is consistent, more where the method is overconfident. "in 95%"
-is the share of poses whose truth lies in the method's own 95 % region. Coverage is the share of the seconds of a run in
-which there is an estimate.
+Estimates are compared with the true poses; the included methods are not aligned, because they know the start. ATE is
+the root mean square over all poses of a run, RPE that of the error of a movement over one second or one metre of the
+path. NEES is divided by its degrees of freedom: 1 where the stated covariance is consistent, more where the method is
+overconfident. "in 95%" is the share of poses whose truth lies in the method's own 95 % region. Coverage is the share
+of the seconds of a run in which there is an estimate.
 """
 
 

@@ -58,7 +58,11 @@ class EstimatedTrajectory:
             what = f"t_s: time {i}, {self.t_s[i]:.9g} s, is not after {self.t_s[i - 1]:.9g} s"
             raise InputError(what, cure="sort the poses by time, each time once")
         if self.covariance is not None and (i := first_impossible(self.covariance)) is not None:
-            raise InputError(f"covariance {i} is none", got=self.covariance[i].tolist(), allowed=COVARIANCE_ALLOWED)
+            raise InputError(
+                f"covariance {i} is not a covariance matrix",
+                got=self.covariance[i].tolist(),
+                allowed=COVARIANCE_ALLOWED,
+            )
 
 
 MAX_TIME_S, MAX_POSE = 1e20, 1e8

@@ -158,8 +158,11 @@ def test_a_run_of_a_dataset_is_judged_by_its_data_csv(painted):
         ({"t_s": [0.0, 0.2, 0.1]}, "t_s: time 2, 0.1 s, is not after 0.2 s; sort the poses by time"),
         ({"pose": np.zeros((2, 3))}, "pose: the shape (2, 3); allowed: (3, 3), as there are 3 times"),
         ({"pose": [[0, 0, 0], [0, np.nan, 0], [0, 0, 0]]}, "pose: pose 1 has a number that is not finite"),
-        ({"covariance": np.zeros((3, 3, 3))}, "covariance 0 is none"),
-        ({"covariance": np.tile([[1, 2, 0], [0, 1, 0], [0, 0, 1.0]], (3, 1, 1))}, "covariance 0 is none"),
+        ({"covariance": np.zeros((3, 3, 3))}, "covariance 0 is not a covariance matrix"),
+        (
+            {"covariance": np.tile([[1, 2, 0], [0, 1, 0], [0, 0, 1.0]], (3, 1, 1))},
+            "covariance 0 is not a covariance matrix",
+        ),
         ({"t_s": [], "pose": np.zeros((0, 3))}, "an estimate without poses"),
         ({"pose": "abc"}, "pose: got 'abc'"),
     ],
