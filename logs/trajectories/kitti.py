@@ -51,11 +51,12 @@ def _beside(path: Path, name: str) -> Path | None:
 
 def _check_axes(settings: ReadSettings, origin: Path) -> None:
     """Refuse axes and a place of the body for poses that are those of the robot."""
-    options = {"--up": settings.up, "--forward": settings.forward, "--body-at": settings.body_at_m}
+    body_at = settings.body_at_m and ",".join(f"{place_m:g}" for place_m in settings.body_at_m)
+    options = {"--up": settings.up, "--forward": settings.forward, "--body-at": body_at}
     for option, value in options.items():
         if value is not None:
             cure = f"leave it out: with {origin}, the poses are those of the robot, whose axes are known"
-            raise InputError(option, got=str(value), cure=cure)
+            raise InputError(option, got=value, cure=cure)
 
 
 def _of_robot(X_C0C: Array, origin: Path) -> Array:

@@ -186,7 +186,7 @@ def test_the_command_writes_the_video(root, tmp_path, symolo):
 
 
 class Texts:
-    """The words that a canvas was told to write, with the left end of each."""
+    """The words that were drawn on a canvas, with the left end of each."""
 
     def __init__(self, monkeypatch):
         self.written = []
