@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,12 +15,13 @@ from diagnosis.importers.cases.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
 from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import CHECK_UNIT, CaseKind, Measurement, MeasurementSource
-from diagnosis.measured.nominal import NOMINAL, NominalCase, kind_of, read_nominal
+from diagnosis.measured.nominal import NOMINAL, NominalCase, read_nominal
 from logs.plausible_units import confused_units
 from logs.recognition import is_file
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable
+from symolo.core.yaml.reader import MAX_BYTES, parse_yaml
 
 Parameters = TypeVar("Parameters", bound=NominalCase)
 NoiseOf = Callable[[Parameters, CsvTable, str], KnownNoise | None]
@@ -45,15 +46,28 @@ def recognises(kind: CaseKind, path: Path) -> bool:
     if not is_file(file):
         return False
     try:
-        return kind_of(file) == kind.value
-    except InputError:
-        pass
-    try:
         with open_named_file(file) as opened:
-            text = opened.read(100_000).decode("utf-8-sig", errors="replace")
+            text = opened.read(MAX_BYTES).decode("utf-8-sig", errors="replace")
     except (OSError, ValueError):
         return False
-    return re.search(rf"^kind:\s*['\"]?{kind.value}['\"]?\s*(#.*)?\r?$", text, re.MULTILINE) is not None
+    return _kind_in(text) == kind.value
+
+
+@lru_cache(maxsize=1)
+def _kind_in(text: str) -> object:
+    """Return the value of `kind` in a text of YAML; None if it has none, or is not valid and has no line for it.
+
+    The importer of each kind asks, and a long text takes long to parse, so that it is parsed only where no line begins
+    with the key, and only once.
+    """
+    line = re.search(r"^kind:\s*['\"]?(\w+)['\"]?\s*(#.*)?\r?$", text, re.MULTILINE)
+    if line is not None:
+        return line[1]
+    try:
+        kind = parse_yaml(text, NOMINAL).child("kind")
+    except InputError:
+        return None
+    return kind.plain() if kind else None
 
 
 def case_folder(path: Path) -> Path:

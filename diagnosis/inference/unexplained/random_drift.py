@@ -240,7 +240,7 @@ def _weighed(evidence: Evidence, ranges: RangeRows, seen: _Seen, beside: Callabl
     falls = _falls(seen)
     weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
     for effect in sorted(weak, key=lambda effect: weak[effect]):
-        fewer = beside(without(evidence, seen.fit, effect))
+        fewer = beside(_with_noise_of(seen.fit, without(evidence, seen.fit, effect)))
         # The standard errors of an effect that is not linear may be far too large, so that the costs decide. Both count
         # the samples of other quantities that are no outliers with the effect.
         cost_without = fewer.joint_cost(_elsewhere(evidence, fewer.fit, ranges, seen.fit))
@@ -248,6 +248,16 @@ def _weighed(evidence: Evidence, ranges: RangeRows, seen: _Seen, beside: Callabl
         if cost_without - cost_with < needed(effect):
             return _weighed(evidence, ranges, fewer, beside)
     return seen
+
+
+def _with_noise_of(other: HypothesisFit, fit: HypothesisFit) -> HypothesisFit:
+    """Return a fit whose residuals are in sigmas of another one.
+
+    Without an effect of one sensor, a fit takes its drift for white noise and gives it the more noise, which would then
+    count against a drift of all sensors.
+    """
+    unit = fit.sd / other.sd
+    return replace(fit, z=fit.z * unit, sd=other.sd, slopes=fit.slopes * unit)
 
 
 def _falls(seen: _Seen) -> dict[CandidateEffect, float]:

@@ -13,6 +13,7 @@ from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.overview import overview
 from diagnosis.measured.write_case import csv_of, write_case
 from symolo.core.errors import InputError
+from symolo.core.yaml import reader
 
 TIMES_S = [0.005 * step for step in range(60)]
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
@@ -474,3 +475,12 @@ def test_a_step_log_in_degrees_per_second_is_recognised_although_the_motor_runs_
     data = "\n".join(["trial,split,session_time_s,t_s,u_cmd_V,current_A,omega_rad_s", *rows]) + "\n"
     (note,) = read(case("motor_step", data=data)).notes
     assert re.search("CHECK THE UNIT of omega_rad_s.*degrees per second: divide by 57.3", note)
+
+
+def test_a_broken_file_of_parameters_is_parsed_once(case, monkeypatch):
+    """The importer of each kind asks whether it knows the file, and each parsed it: 3 s for 100 kB."""
+    folder = case("drive_log", nominal=(case("drive_log") / "nominal.yaml").read_text() + "motor: [\n")
+    parsed, builder = [], reader._Builder
+    monkeypatch.setattr(reader, "_Builder", lambda *args, **options: parsed.append(args) or builder(*args, **options))
+    assert "not valid YAML" in refusal(folder)
+    assert len(parsed) == 2  # by the fast parser, and by the one that can say what is wrong

@@ -3,11 +3,13 @@
 import importlib
 from copy import copy
 from dataclasses import replace
+from itertools import accumulate
 
 import numpy as np
 import pytest
 
 from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
+from diagnosis.diagnose import diagnose
 from diagnosis.importers import drive_log
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
@@ -141,3 +143,29 @@ def test_no_mean_of_neighbours_reaches_across_a_pause_or_into_another_sensor(dri
     assert len(series.at) < 0.6 * len(at)
     away = np.abs(series.at[:, None] - at).min(axis=1)
     assert away.max() < 0.51 * ROW_S
+
+
+def test_the_mean_of_a_drift_of_one_sensor_is_no_offset_of_it(tmp_path):
+    """Over 30 s, a drift with a time constant of 4 s has a mean with a standard deviation of half its own.
+
+    Here it is that of the front sensor, whose white noise seems larger than that of the others without an offset.
+    """
+    gap = importlib.import_module("gap_cases")
+    case = gap.make_case("drive_log", 1, rows="few")
+    columns, rng = dict(case.columns), np.random.default_rng(10)
+    keep = np.exp(-np.diff(columns["session_time_s"], prepend=-np.inf) / 4.0)
+    for name in ("tof_front_m", "tof_left_m", "tof_right_m"):
+        drift = list(
+            accumulate(
+                zip(keep, rng.standard_normal(len(keep)), strict=True),
+                lambda last, row: row[0] * last + np.sqrt(1.0 - row[0] ** 2) * row[1],
+                initial=0.0,
+            )
+        )[1:]
+        columns[name] = np.round(columns[name] + SD_M * np.array(drift), 3)
+    columns |= {name: np.full(len(keep), np.nan) for name in ("u_left_V", "u_right_V")}
+    gap.write(replace(case, columns=columns), tmp_path / "case")
+    (effect,) = diagnose(drive_log.IMPORTER.read(tmp_path / "case")).answer()["effects"]
+    assert effect["name"] == "range_wander"
+    for name, true in (("sd_m", SD_M), ("time_constant_s", 4.0)):
+        assert effect["parameters"][name] == pytest.approx(true, abs=3.0 * effect["std"][name])
