@@ -8,7 +8,7 @@ not turn, and the filter measures the bias.
 
 import numpy as np
 
-from pipeline.baselines.ekf import ALL, KalmanFilter, updated
+from pipeline.baselines.ekf import ALL, GATE, KalmanFilter, updated
 from pipeline.baselines.further_sensors.imu_log import ImuLog
 from pipeline.baselines.further_sensors.sensor_method import sensor_method
 from pipeline.baselines.motion import rolled_distances_m
@@ -46,8 +46,12 @@ class GyroFilter(KalmanFilter):
         row = np.zeros(len(self.state))
         row[[YAW, YAW_BEFORE, BIAS, PER_K, SCALE]] = scale, -scale, duration_s, warmth_K_s, turned_rad
         expected_rad = scale * turned_rad + self.state[BIAS] * duration_s + self.state[PER_K] * warmth_K_s
-        variance = self._noise * duration_s
-        self.state, self.covariance = updated(self.state, self.covariance, row, turn_rad - expected_rad, variance)
+        innovation_rad, variance = turn_rad - expected_rad, self._noise * duration_s
+        if innovation_rad**2 > GATE * float(row @ self.covariance @ row + variance):
+            # A wheel slipped, or a count was lost or late: the turn is that of the gyroscope, whose errors stay as they
+            # were.
+            self.covariance[YAW, YAW] += innovation_rad**2
+        self.state, self.covariance = updated(self.state, self.covariance, row, innovation_rad, variance)
 
 
 def _estimate(knowledge: RobotKnowledge, imu: ImuLog) -> Estimate:

@@ -97,3 +97,23 @@ def test_in_a_world_as_it_takes_it_for_its_covariance_is_honest(before_a_wall):
         total += nees(estimate, np.array(poses))[-1]
     low, high = chi2.ppf([0.001, 0.999], 3 * count)
     assert low < total < high
+
+
+def test_counts_that_come_a_row_late_leave_heading_and_bias_to_the_gyroscope(before_a_wall):
+    """A robot of 0.14 m track turns by 0.1 rad a row; in every tenth row the encoders repeat the count before.
+
+    The arc has the radius of the distance over the turn. A row that is late shifts a chord by one turn of the row.
+    """
+    turn_rad, forward_m, rows = 0.1, 0.01, 100
+    step_m = forward_m + 0.5 * 0.14 * turn_rad * np.array([1.0, -1.0])
+    wheels = np.tile(step_m, (rows, 1))
+    wheels[5::10], wheels[6::10] = 0.0, 2.0 * step_m
+    gyro_filter = GyroFilter(before_a_wall(wheels, np.full(rows, np.nan), SURE), log_of(np.zeros(2)))
+    for rolled_m in wheels:
+        gyro_filter.predict(rolled_m, ROW_S)
+        gyro_filter.turn(turn_rad, 0.0, ROW_S)
+    radius_m, yaw_rad = forward_m / turn_rad, rows * turn_rad
+    assert gyro_filter.state[2] == pytest.approx(yaw_rad, abs=0.01)
+    assert abs(gyro_filter.state[BIAS]) < BIAS_SD
+    there_m = radius_m * np.array([np.sin(yaw_rad), 1.0 - np.cos(yaw_rad)])
+    assert np.linalg.norm(gyro_filter.state[:2] - there_m) < rows // 10 * forward_m * turn_rad
