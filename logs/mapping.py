@@ -36,6 +36,8 @@ class Source(Section):
     """Unit in the log; empty for our unit."""
     factor: float = Field(default=1.0, ge=-1e12, le=1e12)
     """Factor on the values besides the unit; -1 turns the sign."""
+    offset: float = Field(default=0.0, ge=-1e6, le=1e6)
+    """Number added to the values in our unit, such as a place in a room whose corner is not the origin of the log."""
     times: str = ""
     """Column by whose values in the same rows a duty cycle is multiplied, such as the voltage of the battery."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
@@ -50,7 +52,8 @@ class Source(Section):
         """Source in a few words, such as `x_mm, in mm`."""
         factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
         times = f", times {self.times}" if self.times else ""
-        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}"
+        offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
+        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}"
 
     def numbers(self, log: LogFile) -> Array:
         """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
@@ -132,6 +135,9 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
             if (source.per_row or source.wraps_at) and name not in COUNTED:
                 what = "per_row and wraps_at are for counts of encoders"
                 raise InputError(what, where=place, allowed=", ".join(COUNTED))
+            if source.offset and (name == "t_s" or name in COUNTED or name not in kind.scales):
+                cure = "for a shift in time, give the others time_offset_s" if name == "t_s" else ""
+                raise InputError("offset is for measured numbers other than times and counts", where=place, cure=cure)
             if source.times and name not in VOLTAGES:
                 raise InputError("times is for voltages", where=place, allowed=", ".join(VOLTAGES))
         with faults.noted():
@@ -158,7 +164,7 @@ def _check_constant(name: str, source: Source, where: str, *, is_number: bool) -
     if is_number and isinstance(source.constant, str):
         raise InputError("the constant is no number", where=where, got=source.constant, allowed="a number, unquoted")
     if source != Source(constant=source.constant):
-        what = "a constant takes no unit, factor, times or time_offset_s"
+        what = "a constant takes no unit, factor, offset, times or time_offset_s"
         raise InputError(what, where=where, cure="write it in our unit")
 
 
@@ -205,6 +211,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         f"# Which column of {log.path.name} is which quantity. To change it, edit a line and run",
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
+        "# offset: number added to the values in our unit, such as to x_m if the corner of a room is not the origin.",
         "# times: column of the voltage by which a duty cycle is multiplied, row by row.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",

@@ -40,10 +40,18 @@ _WHEELS = (
     KnownNumber("track_m", "distance between the two wheels", "wheelbase_scale, turn_slip", high=1.0),
 )
 _ROOM = (
-    KnownNumber(
-        "room_x_m", "length of the empty rectangular room along x, whose corner is x = y = 0", "all effects of ranges"
-    ),
+    KnownNumber("room_x_m", "length of the empty rectangular room along x", "all effects of ranges"),
     KnownNumber("room_y_m", "length of that room along y", "all effects of ranges"),
+    *(
+        KnownNumber(
+            f"room_corner_{axis}_m",
+            f"smallest {axis} within that room, in the frame of the log",
+            "nothing more; 0 by default",
+            -1e3,
+            1e3,
+        )
+        for axis in ("x", "y")
+    ),
 )
 _MAX_RANGE = KnownNumber("max_range_m", "longest range of the sensors", "nothing more; 1.2 is usual", high=10.0)
 

@@ -117,7 +117,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                numbers = factor * running_counts(source.numbers(log), source, name, notes)
+                numbers = factor * running_counts(source.numbers(log), source, name, notes) + source.offset
             if name == "t_s":
                 _check_times(numbers, log, source.column)
                 if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970

@@ -71,11 +71,20 @@ def headline(diagnosis: Diagnosis) -> str:
         if names:
             return f"The real robot differs from the nominal one by {listed(names)}; in addition, {rows}."
         return f"No effect is named, but {rows}."
+    return _headline_of_unexplained(diagnosis, structure, names)
+
+
+def _headline_of_unexplained(diagnosis: Diagnosis, structure: Structure, names: Sequence[str]) -> str:
+    """Return that residuals have structure; if a warning about the log names a likely cause, that it is one."""
     what = f"{structure.channel} depends on {along(structure.covariate)}"
     if structure.what.startswith(SCATTER):
         by = "the noise that nominal.yaml states" if diagnosis.measurement.nominal else "the stated noise"
         what = f"{structure.channel} has a {structure.what.replace('the stated noise', by)}"
     where = f"{what}, and no known effect explains this"
+    if diagnosis.measurement.checks:
+        where = f"{what}; the warning about the log names a likely cause"
+        if not names:
+            return f"The simulation and these data do not fit together: {where}. Correct that first."
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
     return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."

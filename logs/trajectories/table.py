@@ -124,7 +124,8 @@ class _MappedTable:
                     values[name] = np.full(self.log.rows, float(source.constant))
                 else:
                     factor = source.factor * factor_to(TRAJECTORY.unit_of(name), source.unit, f"columns.{name}")
-                    values[name] = factor * running_counts(source.numbers(self.log), source, name, notes)
+                    counted = running_counts(source.numbers(self.log), source, name, notes)
+                    values[name] = factor * counted + source.offset
         if not faults.faults:
             faults.faults += unit_faults(self.mapping, TRAJECTORY, values, self.log)
         faults.check()

@@ -10,13 +10,13 @@ from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.case_format import POSE, RANGE_SIDES
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.room_distances import room_ranges
 from diagnosis.next_trial.library.base import Library, Units
 from diagnosis.next_trial.library.manoeuvres import Manoeuvre, Reach, manoeuvres, path_of
 from diagnosis.next_trial.limits import Limits
 from diagnosis.next_trial.template import measurement_of, nominal_drive, trial_with
 from diagnosis.predictors.drive_log import TICKS, offers
 from diagnosis.predictors.pose.by_counts import Pose
-from diagnosis.predictors.ranges.room_distances import room_ranges
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

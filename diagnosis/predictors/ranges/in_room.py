@@ -10,11 +10,11 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.room_distances import WALLS, RoomRanges, near_corner, room_ranges
 from diagnosis.predictors.pose.guided_pose import wheel_steps
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
-from diagnosis.predictors.ranges.room_distances import WALLS, RoomRanges, near_corner, room_ranges
 from physics.robot.model import applied
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array

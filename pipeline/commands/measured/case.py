@@ -86,6 +86,7 @@ def init(
     from diagnosis.new_case.new_case import new_case
     from diagnosis.new_case.proposal import propose
     from diagnosis.new_case.quantities import KINDS
+    from diagnosis.new_case.room_corner import from_corner
     from logs.log_file import read_log
     from logs.mapping import check_mapping, read_mapping
     from symolo.core.files.new_folder import check_new
@@ -109,6 +110,7 @@ def init(
         if chosen is None:
             proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
             chosen, warnings = proposal.mapping, proposal.warnings
+        chosen = from_corner(chosen, known)
         return new_case(table, chosen, out.absolute().name).knowing(known), warnings
 
     case, warnings = case_knowing(known)
@@ -170,7 +172,7 @@ def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
     if checks:
         typer.echo(f"If that is a mistake, correct {out / 'mapping.yaml'} or a number, and make the case again.\n")
     for name, source in case.mapping.columns.items():
-        typer.echo(f"  {name:16}from {source.column or source.constant}{f', in {source.unit}' if source.unit else ''}")
+        typer.echo(f"  {name:16}from {source.text}")
     unused = unused_columns(case.mapping, case.log)
     for line in (*([f"not used: {', '.join(unused)}"] if unused else []), *case.compared()):
         typer.echo(line)

@@ -517,7 +517,7 @@ def test_all_faults_of_a_mapping_are_reported(log, tmp_path):
         (
             "x_m",
             {"constant": 3.5, "unit": "mm"},
-            r"columns.x_m: a constant takes no unit, factor, times or time_offset_s",
+            r"columns.x_m: a constant takes no unit, factor, offset, times or time_offset_s",
         ),
         ("y_m", {"column": "x", "times": "y"}, r"columns.y_m: times is for voltages; allowed: u_left_V, u_right_V"),
         ("u_left_V", {"column": "uL", "times": "batt"}, r"columns.u_left_V: the log has no such column: got 'batt'"),

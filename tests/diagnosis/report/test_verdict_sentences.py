@@ -124,12 +124,26 @@ def test_a_scatter_is_said_of_the_readings_and_of_no_covariate():
             names=(),
             unexplained=structure,
             adequacy=SimpleNamespace(leaves_only_outliers=False),
-            measurement=SimpleNamespace(nominal=nominal),
+            measurement=SimpleNamespace(nominal=nominal, checks=()),
         )
         assert headline(verdict) == (
             f"The simulation is wrong in a way that has no name here: reading_m has a scatter of 1.7 times {noise}, "
             "and no known effect explains this."
         )
+
+
+def test_a_warning_about_the_log_is_named_as_the_likely_cause():
+    structure: Any = SimpleNamespace(observed="tof_left_m", channel="tof_m", covariate="distance_m", what="trend")
+    diagnosis: Any = SimpleNamespace(
+        names=(),
+        unexplained=structure,
+        adequacy=SimpleNamespace(leaves_only_outliers=False),
+        measurement=SimpleNamespace(nominal=None, checks=("CHECK x_m and y_m: 455 of 801 poses are outside",)),
+    )
+    assert headline(diagnosis) == (
+        "The simulation and these data do not fit together: tof_m depends on distance_m; the warning about the log "
+        "names a likely cause. Correct that first."
+    )
 
 
 @pytest.mark.parametrize(
