@@ -50,5 +50,5 @@ def checked_against(measurement: Measurement, robot: RobotConfig) -> Measurement
         f"compared with {origin}: wheels of {1000.0 * drive.wheel_diameter_m:.4g} mm, {1000.0 * drive.track_m:.4g} mm "
         f"apart, {ticks:g} ticks per turn{'; name another one with --nominal' if is_shipped else ''}"
     )
-    checks = drive_checks(CountedWheels(0.5 * drive.wheel_diameter_m, ticks), measurement)
+    checks = drive_checks(CountedWheels(0.5 * drive.wheel_diameter_m, ticks, drive.track_m), measurement)
     return replace(measurement, compared_with=text, notes=(*checks, *measurement.notes))

@@ -48,7 +48,9 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     # With the wrong sign of a count, the wheels seem to travel as in another unit.
     units = [] if moved is not None and moved.has_wrong_sign else _travel_notes(nominal, measurement)
     robot = nominal.robot
-    wheels = CountedWheels(robot.wheel_radius_m.value, robot.encoder_ticks_per_revolution)
+    wheels = CountedWheels(
+        robot.wheel_radius_m.value, robot.encoder_ticks_per_revolution, robot.wheel_separation_m.value
+    )
     checks = list(drive_checks(wheels, measurement, has_wrong_unit=bool(units)))
     has_wrong_pose = units or any(note.startswith(CHECK) for note in checks)
     ranges = [] if has_wrong_pose else range_checks(nominal, measurement)

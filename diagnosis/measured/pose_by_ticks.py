@@ -40,6 +40,8 @@ class PoseByTicks:
     """Standard deviation of the noise of theta_rad in one row [rad]."""
     span_m_per_tick: float
     """The same as `m_per_tick` over SPAN_S: less exact on curves, and right for a tracker that holds its poses."""
+    span_rad_per_tick: float
+    """The same as `rad_per_tick` over SPAN_S."""
     forward_share: float
     """Share of the squares of the distances over SPAN_S that the ticks explain."""
     turn_share: float
@@ -110,6 +112,7 @@ def pose_by_ticks(measurement: Measurement) -> PoseByTicks | None:
         rad_per_tick,
         *sds,
         span_m_per_tick=float(forward @ by_ticks / max(by_ticks @ by_ticks, TINY)),
+        span_rad_per_tick=float(turned @ by_difference / max(by_difference @ by_difference, TINY)),
         forward_share=float((forward @ by_ticks) ** 2 / max((by_ticks @ by_ticks) * (distance @ distance), TINY)),
         turn_share=float(
             (turned @ by_difference) ** 2 / max((by_difference @ by_difference) * (turned @ turned), TINY)

@@ -7,7 +7,7 @@ import numpy as np
 
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement, Trial
-from diagnosis.measured.pose_by_ticks import MIN_SHARE, pose_by_ticks
+from diagnosis.measured.pose_by_ticks import MIN_SHARE, PoseByTicks, pose_by_ticks
 from logs.counts import jump_note
 from logs.drive import COUNTED
 from logs.times import gap_note
@@ -31,6 +31,7 @@ class CountedWheels:
 
     radius_m: float
     ticks_per_turn: float
+    track_m: float
 
 
 def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_unit: bool = False) -> Iterator[str]:
@@ -63,8 +64,12 @@ def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_u
     if contradictions:
         return
     yield from _voltage_notes(measurement, agree_with_pose=moved is not None and moved.is_explained)
-    if moved and moved.is_forward_clear and moved.forward_share >= MIN_SHARE:
-        yield from _travel_note(wheels, moved.span_m_per_tick)
+    if moved is None:
+        return
+    travel = list(_travel_note(wheels, moved)) if moved.is_forward_clear and moved.forward_share >= MIN_SHARE else []
+    yield from travel
+    if not travel and moved.is_turn_clear:
+        yield from _turn_note(wheels, moved.span_rad_per_tick)
 
 
 def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterator[str]:
@@ -123,10 +128,10 @@ def _held_and_moved(trial: Trial, voltage: str, ticks: str) -> Array:
     return np.stack([trial[voltage].values[:-1], np.diff(trial[ticks].values)], axis=1)
 
 
-def _travel_note(wheels: CountedWheels, m_per_tick: float) -> Iterator[str]:
+def _travel_note(wheels: CountedWheels, moved: PoseByTicks) -> Iterator[str]:
     """Yield a note if the pose moves much farther than the wheels, or much less far."""
     ticks, radius_m = wheels.ticks_per_turn, wheels.radius_m
-    ratio = m_per_tick * ticks / (2.0 * np.pi * radius_m)
+    ratio = moved.span_m_per_tick * ticks / (2.0 * np.pi * radius_m)
     if 1.0 / FAR_OFF < ratio < FAR_OFF:
         return
     more = next((each for each in (*EDGES, *(1.0 / edges for edges in EDGES)) if 0.85 < ratio * each < 1.15), None)
@@ -136,4 +141,17 @@ def _travel_note(wheels: CountedWheels, m_per_tick: float) -> Iterator[str]:
     yield (
         f"{CHECK} ticks_per_turn and wheel_diameter_m: the pose moves {ratio:.3g} times as far as the wheels; it would "
         f"fit with ticks_per_turn {would}, or with a wheel diameter of {2.0 * radius_m * ratio:.3g} m"
+    )
+
+
+def _turn_note(wheels: CountedWheels, rad_per_tick: float) -> Iterator[str]:
+    """Yield a note if the heading turns much farther than the wheels, or much less far, though the path agrees."""
+    ratio = rad_per_tick * wheels.ticks_per_turn * wheels.track_m / (2.0 * np.pi * wheels.radius_m)
+    if 1.0 / FAR_OFF < ratio < FAR_OFF:
+        return
+    half = {0.5: ", twice as much, as if half of it was given", 2.0: ", half as much, as if twice of it was given"}
+    often = next((text for each, text in half.items() if 0.85 < ratio / each < 1.15), "")
+    yield (
+        f"{CHECK} track_m: theta_rad turns {ratio:.3g} times as far as the wheels; it would fit with a distance of "
+        f"{wheels.track_m / ratio:.3g} m between the wheels{often}"
     )

@@ -160,6 +160,17 @@ def test_ticks_of_other_edges_of_the_encoder_are_named(ticks, times, init, colum
     assert f"with ticks_per_turn 1440, {times} as many" in check
 
 
+@pytest.mark.parametrize(("share", "words"), [(0.5, "twice as much"), (2.0, "half as much"), (0.6, "")])
+def test_another_track_is_named_with_the_one_that_fits(share, words, init, columns):
+    known = (f"ticks_per_turn={TICKS}", f"wheel_diameter_m={2 * RADIUS}", f"track_m={share * TRACK}")
+    _, out, _, _ = init(columns, *(word for setting in known for word in ("--set", setting)))
+    fits = r"CHECK track_m: theta_rad turns (.*) times as far .* a distance of (.*) m between the wheels(.*)"
+    ((ratio, track_m, text),) = re.findall(fits, out)
+    assert float(ratio) == pytest.approx(share, rel=0.01)
+    assert float(track_m) == pytest.approx(TRACK, rel=0.01)
+    assert words in text
+
+
 def test_a_wrong_unit_is_the_only_sign_though_the_places_do_not_follow_the_heading_either(init, columns):
     known = (f"ticks_per_turn={TICKS}", f"wheel_diameter_m={2 * RADIUS}", f"track_m={TRACK}")
     radians = {**columns, "heading_deg": np.unwrap(np.radians(columns["heading_deg"]))}
