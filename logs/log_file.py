@@ -1,5 +1,6 @@
-"""A log of any origin: one header line, and below it columns of numbers or words."""
+"""A log of any origin: a header line, below comments if there are any, and below it columns of numbers or words."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -7,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from logs.units import NO_UNIT, unit_of_cell, with_unit
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.text_file import read_text
+from symolo.core.progress import plural
 from symolo.core.table import NO_NUMBER, cells_of, number_of
 
 SEPARATORS = (",", ";", "\t")
@@ -23,6 +26,19 @@ class LogFile:
     has_decimal_commas: bool
     notes: tuple[str, ...] = ()
     """Unusual parts of the file that were read all the same, in one sentence each."""
+    header_row: int = 1
+    """Number of the line with the names of the columns, from 1."""
+    first_row: int = 2
+    """Number of the line with the first cells below the header, from 1."""
+
+    @property
+    def header_where(self) -> str:
+        """Place of the names of the columns for messages."""
+        return f"{self.path}: row {self.header_row}"
+
+    def where(self, row: int) -> str:
+        """Return the place of a row of the columns, from 0, for messages."""
+        return f"{self.path}: row {self.first_row + row}"
 
     @property
     def rows(self) -> int:
@@ -39,8 +55,7 @@ class LogFile:
         if wrong:
             more = f"; rows of this column with such a cell: {len(wrong)}" if len(wrong) > 1 else ""
             cure = f"leave the cell empty where nothing was measured{more}"
-            where = f"{self.path}: row {wrong[0] + 2}"
-            got = self.columns[name][wrong[0]]
+            where, got = self.where(wrong[0]), self.columns[name][wrong[0]]
             raise InputError(f"column {name}", where=where, got=got, allowed="a number or an empty cell", cure=cure)
         return values
 
@@ -55,8 +70,9 @@ class LogFile:
 def read_log(path: Path) -> LogFile:
     """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of.
 
-    In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are empty lines at the
-    end and a last row that is cut off.
+    In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are comments above the
+    header, empty lines at the end and a last row that is cut off. A row of units below the header becomes a part of the
+    names: `x` with `cm` below it is the column `x [cm]`.
 
     Raises:
         InputError: The file is no such table; the message names every row that has too few or too many cells.
@@ -65,18 +81,26 @@ def read_log(path: Path) -> LogFile:
     lines, notes = list(text.lines), list(text.notes)
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
-    head = lines[0].lstrip("# ")
+    above = _comments(lines)
+    if above:
+        notes.append(f"{path.name}: left out above the header: {plural(above, 'row')}")
+    first_row = above + 2
+    head = lines[above].lstrip("# ")
     separator = max(SEPARATORS, key=head.count)
     header = [cell.strip('"') for cell in cells_of(head, separator)]
-    _check_header(header, path)
-    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in lines[1:]]
+    _check_header(header, f"{path}: row {above + 1}")
+    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in lines[above + 1 :]]
+    if len(rows) > 1 and len(rows[0]) == len(header) and _are_units(rows[0]):
+        header = [with_unit(name, unit) for name, unit in zip(header, rows.pop(0), strict=True)]
+        notes.append(f"{path.name}: row {first_row} has the units of the columns")
+        first_row += 1
     rows = [row[:-1] if len(row) == len(header) + 1 and not row[-1] else row for row in rows]
     if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
         rows.pop()
         notes.append(f"{path.name}: the last row is cut off or has no line end, and is left out")
-    wrong = [number for number, row in enumerate(rows, 2) if len(row) != len(header)]
+    wrong = [number for number, row in enumerate(rows, first_row) if len(row) != len(header)]
     if wrong:
-        what = f"{len(rows[wrong[0] - 2])} cells under a header of {len(header)}"
+        what = f"{len(rows[wrong[0] - first_row])} cells under a header of {len(header)}"
         count = f"rows with a wrong number of cells: {len(wrong)}, the last one is row {wrong[-1]}"
         more = f"; {count}" if len(wrong) > 1 else ""
         raise InputError(what, where=f"{path}: row {wrong[0]}", cure=f"repair or remove the row{more}")
@@ -87,12 +111,31 @@ def read_log(path: Path) -> LogFile:
         {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name},
         has_decimal_commas=separator == ";",
         notes=tuple(notes),
+        header_row=above + 1,
+        first_row=first_row,
     )
 
 
-def _check_header(header: Sequence[str], path: Path) -> None:
+def _comments(lines: Sequence[str]) -> int:
+    """Return the number of lines above the header: empty ones, and those that begin with #.
+
+    The last of these is the header itself if the line below it has numbers.
+    """
+    below = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    cells = re.split(r"[,;\t]", lines[below])
+    has_numbers = any(isfinite(number_of(cell.strip().replace(",", "."))) for cell in cells)
+    return below - 1 if has_numbers and below > 0 and lines[below - 1].startswith("#") else below
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether a row has units, and no other words or numbers."""
+    return any(unit_of_cell(cell) for cell in cells) and all(
+        unit_of_cell(cell) or cell in {"", *NO_UNIT} for cell in cells
+    )
+
+
+def _check_header(header: Sequence[str], where: str) -> None:
     faults = FaultList()
-    where = f"{path}: row 1"
     if all(isfinite(number_of(name.replace(",", "."))) for name in header):
         cure = "add a line with the names of the columns above the numbers, such as t_s,x_m,y_m,theta_rad"
         raise InputError("no header", where=where, cure=cure)

@@ -93,7 +93,7 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
-        where=f"{log.path}: row 1",
+        where=log.header_where,
         cure=f"{others}{cure}",
     )
 

@@ -5,6 +5,9 @@ from pathlib import Path
 
 from symolo.core.files.plain_files import open_named_file
 
+MAX_COMMENTS = 100
+"""Lines of comments above a header that are skipped."""
+
 
 def is_file(path: Path) -> bool:
     """Return whether there is such a file; false, without a PermissionError, in a folder without permission."""
@@ -46,12 +49,21 @@ def first_line(path: Path) -> str:
     return "".join(first_row(path).split())
 
 
-def first_row(path: Path) -> str:
-    """Return the first line of a file as it is, with its tabs; empty for a folder and a file that cannot be read."""
+def first_row(path: Path, *, skips_comments: bool = False) -> str:
+    """Return the first line of a file as it is, with its tabs; empty for a folder and a file that cannot be read.
+
+    Args:
+        path: The file.
+        skips_comments: Whether to return the first line, of the first hundred, that neither is empty nor begins with #.
+    """
     if not is_file(path):  # opening a pipe or a device could wait forever
         return ""
     try:
         with open_named_file(path) as file:
-            return file.readline(4096).decode("utf-8-sig", errors="replace")
+            for _ in range(MAX_COMMENTS if skips_comments else 1):
+                row = file.readline(4096).decode("utf-8-sig", errors="replace")
+                if not skips_comments or (row.strip() and not row.startswith("#")):
+                    return row
     except (OSError, ValueError):
-        return ""
+        pass
+    return ""

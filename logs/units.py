@@ -38,6 +38,10 @@ _BY_SPELLING = {spelling: unit for unit, spellings in _SPELLINGS.items() for spe
 _ALONE = frozenset({"ms", "us", "millis", "micros", "rpm", "seconds", "milliseconds", "microseconds"})
 """Spellings that are a unit even if the name of a column has no other word."""
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+NO_UNIT = frozenset({"1", "-", "[1]", "[-]", "(1)", "(-)"})
+"""Ways to write in a row of units that a quantity has none."""
+_OF_COUNT = frozenset({"enc", "encoder", "encoders"})
+"""Words of counts, beside the spellings of ticks: behind them, [1] means no unit and not the first of several."""
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -56,6 +60,8 @@ def taken_apart(name: str) -> HeaderName:
     match = _BRACKETS.match(name)
     if match and (unit := _BY_SPELLING.get(match[2].lower())):
         return HeaderName(_words(match[1]), unit)
+    if match and match[2] == "1" and {*_words(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
+        return taken_apart(match[1])
     parts = name.split("_")  # `mV` would fall apart at its capital letter
     for length in (2, 1):
         unit = _BY_SPELLING.get("_".join(parts[-length:]).lower())
@@ -78,6 +84,17 @@ def _words(name: str) -> tuple[str, ...]:
 def unit_of(text: str) -> str:
     """Return the unit of a spelling such as `deg`; empty if there is none."""
     return text if text in _SPELLINGS else _BY_SPELLING.get(text.lower(), "")
+
+
+def unit_of_cell(cell: str) -> str:
+    """Return the unit in a cell of a row of units, with or without brackets; empty if it is none."""
+    return unit_of(cell.strip("[]() "))
+
+
+def with_unit(name: str, cell: str) -> str:
+    """Return the name of a column with the unit of a cell below it, if the name states none."""
+    unit = cell.strip("[]() ")
+    return f"{name} [{unit}]" if unit_of(unit) and not taken_apart(name).unit else name
 
 
 def units_for(ours: str) -> tuple[str, ...]:

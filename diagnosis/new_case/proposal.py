@@ -44,7 +44,7 @@ def _check_wheels(log: LogFile) -> None:
     if len(wheels) > 2:
         raise InputError(
             f"counts of {len(wheels)} wheels: {', '.join(wheels)}",
-            where=f"{log.path}: row 1",
+            where=log.header_where,
             allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
             cure="a robot with three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, "
             f"or each side has several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column "
@@ -62,7 +62,7 @@ def _kind(log: LogFile) -> CaseKind:
     if not fitting:
         raise InputError(
             "cannot recognise what was logged from the names of the columns",
-            where=f"{log.path}: row 1",
+            where=log.header_where,
             got=list(log.columns),
             allowed="; ".join(f"for {kind}: {' '.join(sorted(KINDS[kind].needed[0]))}" for kind in KINDS),
             cure=f"rename the columns, or write a {MAPPING} (docs/case_from_log.md) and name it with --mapping",

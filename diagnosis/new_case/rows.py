@@ -136,7 +136,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
 def _check_times(t_s: Array, log: LogFile, column: str) -> None:
     missing = np.flatnonzero(~np.isfinite(t_s)).tolist()
     if missing:
-        where = f"{log.path}: row {missing[0] + 2}"
+        where = log.where(missing[0])
         raise InputError(f"column {column}: the time is missing", where=where, cure="remove rows without a time")
 
 
@@ -154,10 +154,10 @@ def _trials(
     new = steps < 0.0 if group is None else np.diff(group) != 0.0
     if group is None and 2 * np.count_nonzero(new) > len(steps):
         first = int(np.argmax(new))
-        raise goes_back(float(-steps[first]), f"{log.path}: row {first + 3}")
+        raise goes_back(float(-steps[first]), log.where(first + 1))
     if kind is CaseKind.TOF_BENCH and new.any():
         cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
-        raise InputError("the time goes back", where=f"{log.path}: row {int(np.argmax(new)) + 3}", cure=cure)
+        raise InputError("the time goes back", where=log.where(int(np.argmax(new)) + 1), cure=cure)
     if group is None and new.any() and kind in _IN_TIME:
         notes.append(
             f"the time goes back {plural(np.count_nonzero(new), 'time')}; a new trial begins at each of these rows"
@@ -218,7 +218,7 @@ def _check_steps(t_s: Array, rows: NDArray[np.int64], log: LogFile) -> None:
     wrong = np.flatnonzero((steps < 0.0) | (steps > LONGEST_GAP_S)).tolist()
     if not wrong:
         return
-    where = f"{log.path}: row {rows[wrong[0] + 1] + 2}"
+    where = log.where(int(rows[wrong[0] + 1]))
     if steps[wrong[0]] < 0.0:
         raise InputError("the time goes back within a trial", where=where)
     cure = "repair or remove the row, or begin a new trial there with a column trial"

@@ -192,7 +192,7 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
     back = np.flatnonzero(steps < 0.0)
     if len(back):
         row = int(rows[int(back[0]) + 1])
-        raise goes_back(float(-steps[back[0]]), f"{table.log.path}: row {row + 2}")
+        raise goes_back(float(-steps[back[0]]), table.log.where(row))
     repeated = np.concatenate(([False], steps == 0.0))
     if repeated.any():
         changes.append(f"left out: {plural(np.count_nonzero(repeated), 'row')} with the time of the row above")
@@ -251,7 +251,8 @@ def _recognises(path: Path) -> bool:
     if not is_file(path) or path.suffix.lower() not in _ENDINGS:
         return False
     # A tab at the end of the line separates nothing.
-    return any(separator in first_row(path).strip() for separator in SEPARATORS)
+    rows = {first_row(path).strip(), first_row(path, skips_comments=True).strip()}
+    return any(separator in row for row in rows for separator in SEPARATORS)
 
 
 READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)
