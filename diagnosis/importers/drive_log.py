@@ -6,11 +6,12 @@ import numpy as np
 
 from diagnosis.importers.cases.case import case_importer, scale_note
 from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
+from diagnosis.importers.cases.motor_checks import number_checks
 from diagnosis.importers.cases.range_checks import range_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.measured.case_format import RANGE_SIDES
-from diagnosis.measured.measurement import CHECK, CaseKind, Measurement, Trial
+from diagnosis.measured.measurement import CHECK, CHECK_UNIT, CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.pose_by_ticks import pose_by_ticks
 from logs.wrapped_angles import BEYOND_RAD
@@ -51,10 +52,12 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     wheels = CountedWheels(
         robot.wheel_radius_m.value, robot.encoder_ticks_per_revolution, robot.wheel_separation_m.value
     )
-    checks = list(drive_checks(wheels, measurement, has_wrong_unit=bool(units)))
+    checks = list(drive_checks(wheels, measurement, nominal.motor, has_wrong_unit=bool(units)))
+    has_wrong_unit = units or any(note.startswith(CHECK_UNIT) for note in checks)
     has_wrong_pose = units or any(note.startswith(CHECK) for note in checks)
     ranges = [] if has_wrong_pose else range_checks(nominal, measurement)
-    return [*_left_out(nominal, measurement), *units, *checks, *ranges]
+    numbers = number_checks(nominal.motor, checks) if nominal.motor and not has_wrong_unit else ()
+    return [*_left_out(nominal, measurement), *units, *checks, *numbers, *ranges]
 
 
 def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:

@@ -1,8 +1,8 @@
 """Steady states of a motor on a bench: voltage, current and speed in sweeps (a measured case)."""
 
 from diagnosis.importers.cases.case import case_importer
-from diagnosis.importers.cases.motor_case import motor_noise, motor_scale_notes
+from diagnosis.importers.cases.motor_case import motor_noise, motor_notes
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.nominal import NominalSteady
 
-IMPORTER = case_importer(CaseKind.MOTOR_STEADY, NominalSteady, motor_noise, motor_scale_notes)
+IMPORTER = case_importer(CaseKind.MOTOR_STEADY, NominalSteady, motor_noise, motor_notes)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.importers.cases.case import case_importer
-from diagnosis.importers.cases.motor_case import motor_noise, motor_scale_notes
+from diagnosis.importers.cases.motor_case import motor_noise, motor_notes
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalStep
 from symolo.core.errors import InputError
@@ -13,7 +13,7 @@ from symolo.core.errors import InputError
 
 def _notes(nominal: NominalStep, measurement: Measurement) -> Sequence[str]:
     check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
-    return motor_scale_notes(nominal, measurement)
+    return motor_notes(nominal, measurement)
 
 
 def check_rate(measurement: Measurement, period_s: float) -> None:

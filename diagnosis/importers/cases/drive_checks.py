@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.importers.cases.motor_checks import AGAINST, MIN_DRIVEN_ROWS, goes_against, speed_checks
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement, Trial
+from diagnosis.measured.nominal import NominalMotor
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, PoseByTicks, pose_by_ticks
 from logs.counts import jump_note
 from logs.drive import COUNTED
@@ -19,10 +21,6 @@ FAR_OFF = 1.4
 """Ratio of the distances of pose and wheels from which on a number of the wheels is wrong; no wheel slips as much."""
 EDGES = (2.0, 4.0)
 """Counts per pulse of an encoder, by how many edges of its two channels are counted."""
-MIN_DRIVEN_ROWS = 10
-"""Rows with a voltage and a motion from which the sign of one against the other is judged."""
-AGAINST = 0.5
-"""Correlation of speed and voltage, both from zero, beyond which a wheel turns against its voltage."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,9 @@ class CountedWheels:
     track_m: float
 
 
-def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_unit: bool = False) -> Iterator[str]:
+def drive_checks(
+    wheels: CountedWheels, measurement: Measurement, motor: NominalMotor | None = None, *, has_wrong_unit: bool = False
+) -> Iterator[str]:
     """Yield a note for each sign that the log, its mapping or the numbers of the robot are wrong.
 
     With a wrong unit or a jumping counter, pose and wheels contradict each other in any case, so that only the cause is
@@ -43,6 +43,7 @@ def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_u
     Args:
         wheels: Numbers of the robot.
         measurement: The drive.
+        motor: Numbers of its motors; None if they are not known.
         has_wrong_unit: Whether another note says that a unit is wrong.
     """
     has_cause = has_wrong_unit
@@ -63,12 +64,13 @@ def drive_checks(wheels: CountedWheels, measurement: Measurement, *, has_wrong_u
     yield from (f"{CHECK} {text}" for text in contradictions)
     if contradictions:
         return
-    yield from _voltage_notes(measurement, agree_with_pose=moved is not None and moved.is_explained)
-    if moved is None:
-        return
-    travel = list(_travel_note(wheels, moved)) if moved.is_forward_clear and moved.forward_share >= MIN_SHARE else []
+    signs = list(_voltage_notes(measurement, agree_with_pose=moved is not None and moved.is_explained))
+    yield from signs
+    travel = list(_travel_note(wheels, moved)) if moved is not None else []
     yield from travel
-    if not travel and moved.is_turn_clear:
+    if motor is not None and not signs and not travel:
+        yield from _speed_notes(motor, wheels, measurement)
+    if moved is not None and not travel and moved.is_turn_clear:
         yield from _turn_note(wheels, moved.span_rad_per_tick)
 
 
@@ -90,15 +92,28 @@ def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterat
         if not measurement.has(voltage, ticks):
             continue
         rows = np.concatenate([_held_and_moved(trial, voltage, ticks) for trial in measurement.trials])
-        volts, steps = rows[np.isfinite(rows).all(axis=1)].T
-        if np.count_nonzero(volts * steps) < MIN_DRIVEN_ROWS:
-            continue
-        if volts @ steps < -AGAINST * np.linalg.norm(volts) * np.linalg.norm(steps):
+        if goes_against(*rows.T):
             cure = f"give {voltage} factor: -1" if agree_with_pose else "give the one with the wrong sign factor: -1"
             yield (
                 f"{CHECK} {voltage} and {ticks}: the {side} wheel turns against its voltage; {cure}, or exchange left "
                 "and right if both wheels do so"
             )
+
+
+def _speed_notes(motor: NominalMotor, wheels: CountedWheels, measurement: Measurement) -> Iterator[str]:
+    """Yield a note for the first motor that turns much faster or slower than its voltage lets it turn without load."""
+    for side in ("left", "right"):
+        voltage, ticks = f"u_{side}_V", f"enc_{side}_ticks"
+        if not measurement.has(voltage, ticks):
+            continue
+        rows = np.concatenate([_held_and_moved(trial, voltage, ticks) for trial in measurement.trials])
+        steps_s = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])
+        speed_rad_s = 2.0 * np.pi / wheels.ticks_per_turn * rows[:, 1] / steps_s
+        known = np.isfinite(rows[:, 0] + speed_rad_s)
+        notes = list(speed_checks(motor, rows[known, 0], speed_rad_s[known], voltage))
+        yield from notes
+        if notes:
+            return
 
 
 def _are_exchanged(measurement: Measurement) -> bool:
@@ -130,6 +145,8 @@ def _held_and_moved(trial: Trial, voltage: str, ticks: str) -> Array:
 
 def _travel_note(wheels: CountedWheels, moved: PoseByTicks) -> Iterator[str]:
     """Yield a note if the pose moves much farther than the wheels, or much less far."""
+    if not moved.is_forward_clear or moved.forward_share < MIN_SHARE:
+        return
     ticks, radius_m = wheels.ticks_per_turn, wheels.radius_m
     ratio = moved.span_m_per_tick * ticks / (2.0 * np.pi * radius_m)
     if 1.0 / FAR_OFF < ratio < FAR_OFF:

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.importers.cases.case import scale_note
+from diagnosis.importers.cases.motor_checks import goes_against, number_checks, speed_checks
 from diagnosis.importers.cases.trials import KnownNoise
-from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.measurement import CHECK, CHECK_UNIT, Measurement
 from diagnosis.measured.nominal import NominalSteady, NominalStep, StepNoise
 from symolo.core.arrays import Array
 from symolo.core.table import CsvTable
@@ -23,18 +24,29 @@ def motor_noise(nominal: NominalSteady | NominalStep, table: CsvTable, name: str
     return KnownNoise.constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table, correlation)
 
 
-def motor_scale_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) -> list[str]:
-    """Return a note for each channel that looks as if it were in another unit.
+def motor_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) -> list[str]:
+    """Return a note for each number, sign and unit that is probably wrong."""
+    u, speed, current = (
+        np.concatenate([c.values for c in measurement.across(name)]) for name in ("u_cmd_V", "omega_rad_s", "current_A")
+    )
+    notes = []
+    for name, values, does in (("omega_rad_s", speed, "turns"), ("current_A", current, "takes current")):
+        if goes_against(u, values):
+            notes.append(f"{CHECK} {name}: the motor {does} against its voltage; give {name} or u_cmd_V factor: -1")
+    units = _scale_notes(nominal, np.abs(u), np.abs(speed), np.abs(current))
+    notes += units or speed_checks(nominal.motor, np.abs(u), np.abs(speed), "u_cmd_V")
+    has_wrong_unit = any(note.startswith(CHECK_UNIT) for note in notes)
+    return [*notes, *(() if has_wrong_unit else number_checks(nominal.motor, notes))]
+
+
+def _scale_notes(nominal: NominalSteady | NominalStep, u: Array, speed: Array, current: Array) -> list[str]:
+    """Return a note for each channel that looks as if it were in another unit, from the sizes of its values.
 
     The speed is compared with the no-load speed u / K, by a ratio that three of four rows do not exceed, since a motor
     that has just been switched on is slower. The typical current is compared with the stall current u / R.
     """
     motor = nominal.motor
     resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
-    u, speed, current = (
-        np.abs(np.concatenate([c.values for c in measurement.across(name)]))
-        for name in ("u_cmd_V", "omega_rad_s", "current_A")
-    )
     driven = u > CLEAR_OF_STALL * resistance * motor.coulomb_friction_N_m.value / constant
     speed_ratio, current_ratio = (
         _ratio(speed * constant, u, driven, 0.75),

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import permutations
+from math import degrees
 
 import numpy as np
 
@@ -84,11 +85,18 @@ def _misplaced(
         return
     for side in sides:
         off_m = error_m[side, side]
-        if off_m > max(MIN_OFF_M, MIN_OFF * float(np.nanmedian(readings[side]))):
-            yield (
-                f"{CHECK} tof_{side}_m: half of the readings differ from the distance to the wall by more than "
-                f"{off_m:.2g} m; check the mount of this sensor, room_x_m, room_y_m, and the corner of the room"
-            )
+        if off_m <= max(MIN_OFF_M, MIN_OFF * float(np.nanmedian(readings[side]))):
+            continue
+        yaw_rad = mounts[side].yaw_rad
+        turned = mounts[side].model_copy(update={"yaw_rad": degrees(yaw_rad)})
+        turned_m = np.nanmedian(np.abs(readings[side] - np.minimum(_distances(room, turned, measurement), max_range_m)))
+        cure = "check the mount of this sensor, room_x_m, room_y_m, and the corner of the room"
+        if BETTER * turned_m < off_m:
+            cure = f"its yaw of {degrees(yaw_rad):.4g} degrees fits as radians: write {degrees(degrees(yaw_rad)):.0f}"
+        yield (
+            f"{CHECK} tof_{side}_m: half of the readings differ from the distance to the wall by more than {off_m:.2g} "
+            f"m; {cure}"
+        )
 
 
 def _readings(measurement: Measurement, side: str, max_range_m: float) -> Array:

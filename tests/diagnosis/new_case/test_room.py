@@ -95,9 +95,15 @@ def test_exchanged_range_sensors_are_named(init, logged):
 
 
 def test_a_sensor_that_does_not_see_the_walls_of_its_mount_is_named(init, logged):
-    _, out, _, _ = init(logged, *settings(left_yaw_deg=1.57))
+    _, out, _, _ = init(logged, *settings(left_yaw_deg=7.0))
     (check,) = re.findall("CHECK (.*)", out)
     assert re.match(r"tof_left_m: half of the readings differ .*check the mount of this sensor", check)
+
+
+def test_a_yaw_of_a_mount_in_radians_is_named_with_its_degrees(init, logged):
+    _, out, _, _ = init(logged, *settings(left_yaw_deg=1.57))
+    (check,) = re.findall("CHECK (.*)", out)
+    assert check.endswith("its yaw of 1.57 degrees fits as radians: write 90")
 
 
 def test_right_ranges_with_an_offset_and_outliers_give_no_check(init, logged):

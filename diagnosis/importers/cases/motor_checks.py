@@ -1,0 +1,92 @@
+"""Notes on motors whose numbers, or whose logged voltages and speeds, are probably wrong."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from diagnosis.importers.cases.case import scale_note
+from diagnosis.measured.measurement import CHECK, CHECK_UNIT
+from diagnosis.measured.nominal import NominalMotor
+from symolo.core.arrays import Array
+
+MIN_DRIVEN_ROWS = 10
+"""Rows with a voltage and a motion from which the one is judged by the other."""
+AGAINST = 0.5
+"""Correlation of two quantities, both from zero, beyond which one goes against the other."""
+FASTER, SLOWER = 2.0, 0.05
+"""Usual speed, as a share of that without load at the same voltage, beyond which number or unit is wrong: no motor is
+faster, and friction seldom leaves so little."""
+MOVING_RAD_S = 0.5
+"""Speed from which a motor turns."""
+LOWEST_V = 0.1
+"""Voltage at which no geared motor turns."""
+SMALL_MOTORS: Mapping[str, tuple[float, float, str, str]] = {
+    "winding_resistance_ohm": (0.02, 500.0, "ohm", "mohm"),
+    "torque_constant_N_m_A": (1e-3, 20.0, "N m/A", "mN m/A"),
+    "viscous_friction_N_m_s_rad": (0.0, 0.5, "N m s/rad", "mN m s/rad"),
+    "coulomb_friction_N_m": (0.0, 5.0, "N m", "mN m"),
+    "rotor_inertia_kg_m2": (1e-8, 1.0, "kg m2", "g m2"),
+    "supply_voltage_V": (0.5, 100.0, "V", "mV"),
+}
+"""Range of each number at the wheel for robots up to some 50 kg, its unit, and a thousandth of that unit."""
+
+
+def number_checks(motor: NominalMotor, others: Sequence[str] = ()) -> Iterator[str]:
+    """Yield a note for each number that no motor of a small robot has.
+
+    Args:
+        motor: The numbers.
+        others: Other notes on the motor; a number that they name is left out.
+    """
+    for key, (low, high, unit, thousandth) in SMALL_MOTORS.items():
+        number = getattr(motor, key, None)
+        value = number if isinstance(number, float | None) else number.value
+        if value is None or low <= value <= high or any(key in note for note in others):
+            continue
+        would = "if it was estimated from the log, check the units of voltage, current and speed"
+        if low <= 1e-3 * value <= high:
+            would = f"if it is in {thousandth}, write {1e-3 * value:.4g}"
+        yield f"{CHECK} {key}: {value:.4g} {unit}, where small robots have {low:g} to {high:g} {unit}; {would}"
+
+
+def goes_against(one: Array, other: Array) -> bool:
+    """Return whether two quantities (N,), both from zero, mostly have opposite signs; false for too few rows."""
+    known = np.isfinite(one + other)
+    one, other = one[known], other[known]
+    if np.count_nonzero(one * other) < MIN_DRIVEN_ROWS:
+        return False
+    return float(one @ other) < -AGAINST * float(np.linalg.norm(one) * np.linalg.norm(other))
+
+
+def speed_checks(motor: NominalMotor, u_V: Array, speed_rad_s: Array, voltage: str) -> Iterator[str]:
+    """Yield a note if a motor turns much faster or slower than the voltage lets it turn without load.
+
+    Args:
+        motor: Nominal motor.
+        u_V: (N,), voltages [V].
+        speed_rad_s: (N,), speeds at the same time [rad/s].
+        voltage: Name of the voltage for the note.
+    """
+    constant = motor.torque_constant_N_m_A.value
+    turning = (u_V * speed_rad_s > 0.0) & (np.abs(speed_rad_s) > MOVING_RAD_S)
+    if np.count_nonzero(turning) < MIN_DRIVEN_ROWS:
+        return
+    highest_V = float(np.max(np.abs(u_V[turning])))
+    if highest_V < LOWEST_V:
+        yield (
+            f"{CHECK_UNIT} of {voltage}: the motor turns at {highest_V:.2g} V at most, as if the values were in V and "
+            "were taken for mV: multiply by 1000"
+        )
+        return
+    usual, fast = np.quantile(speed_rad_s[turning] * constant / u_V[turning], (0.5, 0.9)).tolist()
+    if SLOWER < usual < FASTER:
+        return
+    if unit := scale_note(1.0 / fast, voltage, "V", "the voltage of this speed without load"):
+        yield from unit
+        return
+    fits = f"{'at most' if usual > 1.0 else 'about'} {constant / fast:.2g} N m/A"
+    yield (
+        f"{CHECK} torque_constant_N_m_A: the motor turns {usual:.2g} times as fast as one with {constant:.4g} N m/A "
+        f"does without load at the same voltage; {fits} would fit; check the unit of this number, that it is the "
+        f"one at the wheel, gear included, and the units of {voltage} and of the speed"
+    )

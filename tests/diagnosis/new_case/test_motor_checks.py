@@ -1,0 +1,72 @@
+"""Signs that a number of a motor, or the unit or sign of what was logged of it, is wrong."""
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.new_case.drives import SLOPE, TC, TICKS, B, K, R
+
+
+@pytest.fixture
+def bench():
+    """Steady states of a motor with u = R i + K w and K i = B w + Tc, of which (R, K) = (3 ohm, 0.3 N m/A)."""
+    u = np.linspace(1.0, 6.0, 24)
+    w = (u - R * TC / K) / SLOPE
+    return {"u [V]": u, "current [A]": (TC + B * w) / K, "speed [rad/s]": w}
+
+
+def settings(**known):
+    return [word for key, value in known.items() for word in ("--set", f"{key}={value}")]
+
+
+def checks(out):
+    return re.findall("CHECK (.*)", out)
+
+
+def test_a_right_bench_and_right_numbers_give_no_check(init, bench):
+    known = settings(winding_resistance_ohm=R, torque_constant_N_m_A=K, supply_voltage_V=6.0)
+    code, out, err, _ = init(bench, *known)
+    assert (code, err, checks(out)) == (0, "", [])
+
+
+@pytest.mark.parametrize("known", [{}, {"winding_resistance_ohm": R, "torque_constant_N_m_A": K}])
+def test_volts_that_are_called_millivolts_are_named(known, init, bench):
+    bench["u [mV]"] = bench.pop("u [V]")
+    _, out, _, _ = init(bench, *settings(**known))
+    (check,) = checks(out)
+    assert check.startswith(
+        "THE UNIT of u_cmd_V: the motor turns at 0.006 V at most, as if the values were in V and were"
+    )
+
+
+@pytest.mark.parametrize(("column", "words"), [("speed [rad/s]", "omega_rad_s"), ("current [A]", "current_A")])
+def test_a_sign_against_the_voltage_of_a_bench_is_named(column, words, init, bench):
+    _, out, _, _ = init({**bench, column: -bench[column]}, *settings(winding_resistance_ohm=R, torque_constant_N_m_A=K))
+    (check,) = checks(out)
+    assert check.startswith(f"{words}: the motor")
+    assert check.endswith(f"against its voltage; give {words} or u_cmd_V factor: -1")
+
+
+@pytest.mark.parametrize(
+    ("known", "check"),
+    [
+        ({"winding_resistance_ohm": 3000}, "winding_resistance_ohm: 3000 ohm, .*; if it is in mohm, write 3"),
+        ({"rotor_inertia_kg_m2": 3}, "rotor_inertia_kg_m2: 3 kg m2, .*; if it is in g m2, write 0.003"),
+        ({"supply_voltage_V": 7400}, "supply_voltage_V: 7400 V, .*; if it is in mV, write 7.4"),
+        ({"torque_constant_N_m_A": 33}, r"torque_constant_N_m_A: the motor turns .*at most (0\.\d+) N m/A would fit"),
+        (
+            {"torque_constant_N_m_A": 0.0033},
+            r"torque_constant_N_m_A: the motor turns 0.0.*about (0\.\d+) N m/A would",
+        ),
+        ({"winding_resistance_ohm": R, "torque_constant_N_m_A": K, "supply_voltage_V": 7.4}, ""),
+    ],
+)
+def test_numbers_of_the_motors_of_a_drive_in_another_unit_are_named(known, check, init, columns):
+    _, out, _, _ = init(columns, *settings(ticks_per_turn=TICKS, **known))
+    assert len(checks(out)) == bool(check)
+    if check:
+        match = re.match(check, checks(out)[0])
+        assert match
+        # The voltage of a motor without friction would be K w, and that of this one is SLOPE w and a little more.
+        assert all(K < float(constant) < 1.3 * SLOPE for constant in match.groups())
