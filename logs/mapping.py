@@ -3,6 +3,7 @@
 import json
 import shlex
 from collections.abc import Collection, Mapping, Sequence
+from math import pi, radians
 from pathlib import Path
 from typing import Annotated
 
@@ -135,9 +136,7 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
             if (source.per_row or source.wraps_at) and name not in COUNTED:
                 what = "per_row and wraps_at are for counts of encoders"
                 raise InputError(what, where=place, allowed=", ".join(COUNTED))
-            if source.offset and (name == "t_s" or name in COUNTED or name not in kind.scales):
-                cure = "for a shift in time, give the others time_offset_s" if name == "t_s" else ""
-                raise InputError("offset is for measured numbers other than times and counts", where=place, cure=cure)
+            _check_offset(name, source.offset, place, is_measured=name in kind.scales and name not in COUNTED)
             if source.times and name not in VOLTAGES:
                 raise InputError("times is for voltages", where=place, allowed=", ".join(VOLTAGES))
         with faults.noted():
@@ -150,6 +149,15 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
     with faults.noted():
         _check_needed(kind, mapping.columns, where)
     faults.check()
+
+
+def _check_offset(name: str, offset: float, where: str, *, is_measured: bool) -> None:
+    if offset and (name == "t_s" or not is_measured):
+        cure = "for a shift in time, give the others time_offset_s" if name == "t_s" else ""
+        raise InputError("offset is for measured numbers other than times and counts", where=where, cure=cure)
+    if name.endswith("_rad") and abs(offset) > 2.0 * pi:
+        cure = f"{offset:g} degrees are {radians(offset):.4g}"
+        raise InputError("offset", where=where, got=offset, allowed="at most a turn, in rad", cure=cure)
 
 
 def _check_column(column: str, log: LogFile, where: str) -> None:

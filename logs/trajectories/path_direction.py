@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 
@@ -36,10 +37,29 @@ def angle_to_path(place: Array, yaw_rad: Array) -> float:
         place: (M, 2), ends of chords.
         yaw_rad: (M,), headings there.
     """
+    return float(np.median(np.abs(np.angle(_doubled(place, yaw_rad).sum(axis=1)))) / 2)
+
+
+def turn_to_path(place: Array, yaw_rad: Array) -> float:
+    """Return the angle (-pi to pi) that, added to all headings, turns them best along the path, mostly forwards.
+
+    Args:
+        place: (M, 2), ends of chords.
+        yaw_rad: (M,), headings there.
+    """
+    turn = float(np.angle(_doubled(place, yaw_rad).sum())) / 2
+    backwards = share_forwards(place, yaw_rad + turn) < 0.5
+    return math.remainder(turn + math.pi * backwards, 2 * math.pi)
+
+
+def _doubled(place: Array, yaw_rad: Array) -> NDArray[np.complex128]:
+    """Return the angles between chords and the headings at both ends, (M - 1, 2), doubled, as unit vectors.
+
+    Doubled angles make a heading and its opposite equal; their mean direction is that of the summed unit vectors.
+    """
     steps = np.diff(place, axis=0)
-    # Doubled angles make a heading and its opposite equal; their mean direction is that of the summed unit vectors.
-    twice = 2 * (np.arctan2(steps[:, 1], steps[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
-    return float(np.median(np.abs(np.angle(np.exp(1j * twice).sum(axis=1)))) / 2)
+    angle = np.arctan2(steps[:, 1], steps[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1)
+    return np.exp(2j * angle)
 
 
 def share_forwards(place: Array, yaw_rad: Array) -> float:

@@ -13,6 +13,7 @@ from logs.trajectories.path_direction import (
     UNEXPLAINED_RAD,
     angle_to_path,
     chords,
+    turn_to_path,
 )
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -148,6 +149,15 @@ def _headings(pose: Array) -> Iterator[str]:
     for name, other in others:
         if angle_to_path(place, other) < EXPLAINED_RAD:
             yield f"the headings do not follow the path; they would if they were {name}"
+            return
+    for sense, factor, signed in (("", "", yaw), (" clockwise from another direction", "factor: -1 and ", -yaw)):
+        turn_rad = turn_to_path(place, signed)
+        if angle_to_path(place, signed + turn_rad) < EXPLAINED_RAD:
+            counted = f"counted{sense}" if sense else f"larger by {math.degrees(turn_rad):.0f} degrees"
+            yield (
+                f"the headings do not follow the path; they would if they were {counted}: give theta_rad {factor}"
+                f"offset: {turn_rad:.4g} in a mapping file"
+            )
             return
     yield (
         f"the headings do not follow the path: the median angle between them is {math.degrees(off_rad):.0f} degrees; a"

@@ -255,7 +255,15 @@ SUSPICIOUS = {
     "standing": (lambda t, x, y, yaw: (t, 0 * x, 0 * y, yaw), "moves less than 1 cm: are x and y in a larger unit"),
     "clockwise": (lambda t, x, y, yaw: (t, x, y, -yaw), "they would if they were counted clockwise"),
     "radians in degrees": (lambda t, x, y, yaw: (t, x, y, np.radians(yaw)), "they would if they were in radians"),
-    "sideways": (lambda t, x, y, yaw: (t, x, y, yaw + 0.7), "the median angle between them is 40 degrees"),
+    "turned": (
+        lambda t, x, y, yaw: (t, x, y, yaw + 0.7),
+        "larger by -40 degrees: give theta_rad offset: -0.7 in a map",
+    ),
+    "of a compass": (
+        lambda t, x, y, yaw: (t, x, y, np.pi / 2 - yaw),
+        "counted clockwise from another direction: give theta_rad factor: -1 and offset: 1.571 in a mapping file",
+    ),
+    "of something else": (lambda t, x, y, yaw: (t, x, y, 1.5 * yaw), "the median angle between them is"),
     "fast": (lambda t, x, y, yaw: (t / 20, x, y, yaw), "usually moves at 6 m/s, which is fast"),
     "slow": (lambda t, x, y, yaw: (1000 * t, x, y, yaw), "usually moves at 0.0003 m/s, which is slow"),
     "gap": (
@@ -278,6 +286,21 @@ def test_a_suspicious_motion_is_a_warning_on_the_terminal_and_in_the_metadata(ch
     (record,) = json.loads((out / "metadata.json").read_text())["runs"]
     assert any(text in warning for warning in record["warnings"])
     assert text in (out / "README.md").read_text()
+
+
+def test_headings_of_a_compass_are_mapped_by_a_factor_and_an_offset_in_radians(tmp_path, symolo):
+    """0 is north, and 90 degrees are east."""
+    log, mapping = tmp_path / "run.csv", tmp_path / "mapping.yaml"
+    log.write_text(table("t_s,x_m,y_m,heading", T_S, *PLACE.T, (90.0 - np.degrees(YAW)) % 360.0))
+    columns = "".join(f"  {name}: {{column: {name}}}\n" for name in ("t_s", "x_m", "y_m"))
+    heading = "  theta_rad: {column: heading, unit: deg, factor: -1, offset: %s}\n"
+    mapping.write_text(f"kind: trajectory\ncolumns:\n{columns}{heading % 90}")
+    refused = symolo("import", log, "--map", mapping, "--out", tmp_path / "data")
+    assert (refused.code, "90 degrees are 1.571" in refused.err) == (2, True)
+    mapping.write_text(f"kind: trajectory\ncolumns:\n{columns}{heading % 1.570796}")
+    assert symolo("import", log, "--map", mapping, "--out", tmp_path / "data").code == 0
+    (run,) = symolo_reader.load(tmp_path / "data")
+    np.testing.assert_allclose(np.exp(1j * run.table.pose[:, 2]), np.exp(1j * YAW), atol=1e-4)
 
 
 REFUSED = {
