@@ -240,7 +240,8 @@ def _weighed(evidence: Evidence, ranges: RangeRows, seen: _Seen, beside: Callabl
     falls = _falls(seen)
     weak = {effect: fall - needed(effect) for effect, fall in falls.items() if fall < needed(effect)}
     for effect in sorted(weak, key=lambda effect: weak[effect]):
-        fewer = beside(_with_noise_of(seen.fit, without(evidence, seen.fit, effect)))
+        fit = without(evidence, seen.fit, effect)
+        fewer = beside(fit if effect.kind.slot is Slot.RANGE_NOISE else _with_noise_of(seen.fit, fit))
         # The standard errors of an effect that is not linear may be far too large, so that the costs decide. Both count
         # the samples of other quantities that are no outliers with the effect.
         cost_without = fewer.joint_cost(_elsewhere(evidence, fewer.fit, ranges, seen.fit))
