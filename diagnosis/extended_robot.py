@@ -256,11 +256,12 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
         at = nuisance.value + 3.0 * nuisance.tolerance
-        moved = difference_of(plain_tree(nuisance.applied(bare, at)), plain_tree(bare))
-        text = _nuisance_text(nuisance, float(fit.x[k]), errors[k])
-        comments |= {
-            path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in leaf_paths(moved)
-        }
+        before, after = plain_tree(bare), plain_tree(nuisance.applied(bare, at))
+        for path in leaf_paths(difference_of(after, before)):
+            ends = [_section(tree, path)[str(path[-1])] for tree in (before, after)]
+            slope = (ends[1] - ends[0]) / (at - nuisance.value)
+            text = _nuisance_text(nuisance, float(fit.x[k]), errors[k], slope)
+            comments[path] = text if path[-1] == nuisance.name else f"{nuisance.name}: {text}"
     for named in diagnosis.fitted_effects:
         source = "law that the diagnosis discovered" if named is diagnosis.law else "named by the diagnosis"
         for name in named.values:
@@ -284,12 +285,19 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     return comments
 
 
-def _nuisance_text(nuisance: Nuisance, off: float, error: float) -> str:
-    """Return prior and fitted value of a nuisance; deviation and standard error are in tolerances."""
+def _nuisance_text(nuisance: Nuisance, off: float, error: float, slope: float) -> str:
+    """Return prior and fitted value of a nuisance, and the standard error of the number that it sets.
+
+    Args:
+        nuisance: The nuisance.
+        off: Deviation in tolerances.
+        error: Standard error in tolerances.
+        slope: Change of the number for a change of the nuisance by one.
+    """
     prior = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}"
     if error > 1.0 - UNTOUCHED and abs(off) < UNTOUCHED:
         return f"{prior}; determined by its tolerance only"
-    return f"{prior}; fitted {off:+.2f} tolerances away, standard error {error * nuisance.tolerance:.2g}"
+    return f"{prior}; fitted {off:+.2f} tolerances away, standard error {abs(slope) * error * nuisance.tolerance:.2g}"
 
 
 def leaf_paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:

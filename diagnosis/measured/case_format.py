@@ -17,6 +17,8 @@ SPLIT = WordColumn("split", ("fit", HOLDOUT))
 RANGE_SIDES: tuple[str, ...] = tuple(RANGE_SENSORS.tolist())
 """Range sensors of a drive, in the order of their columns."""
 
+LONG_AFTER_S = 1e6
+"""Time after switching on when nothing warms up any more. Rows of a log without times are counted from here on."""
 NO_TARGET_FROM_M = 8.19
 """Smallest of the device's codes for "no target", which are 8190 and 8191 mm."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.case_format import CAMERA_CHANNELS, RANGES, WHEEL_VOLTAGES, channel_columns
+from diagnosis.measured.case_format import CAMERA_CHANNELS, LONG_AFTER_S, RANGES, WHEEL_VOLTAGES, channel_columns
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
@@ -38,8 +38,6 @@ LONGEST_GAP_S = 3600.0
 """Longest gap within a trial; a longer one is a broken time stamp, or two logs in one file."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
-LONG_AFTER_S = 1e6
-"""Time after switching on when nothing warms up any more."""
 DECIMALS = 9
 """Decimals of a converted number, whose last digits are rounding errors of the factor."""
 HELD_OUT_EACH = 4

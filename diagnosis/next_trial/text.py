@@ -70,7 +70,11 @@ def _wrapped(text: str) -> list[str]:
 def _purpose(design: TrialDesign) -> str:
     names = [model.name for model in design.models]
     if len(names) == 1:
-        return f"Only {names[0]} remains. This trial determines its parameters as precisely as these limits allow."
+        effects = names[0].split(" and ")
+        only = f"Only {names[0]} remains. This trial determines its parameters"
+        if len(effects) > 1:
+            only = f"Only {', '.join(effects[:-1])} and {effects[-1]} remain. This trial determines their parameters"
+        return f"{only} as precisely as these limits allow."
     listed = "; ".join(f"{model.name} ({_percent(model.weight)})" for model in design.models)
     return (
         f"{len(names)} explanations of the old data remain: {listed}. This trial separates them as far as "

@@ -122,7 +122,7 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
         yield from _entry("  seen for", named.seen_for)
     for text in too_large(named):
         yield from _entry("  too large", text)
-    yield from _entry("  without it", without_effect(ablation))
+    yield from _entry("  without it", without_effect(ablation, data.diagnosis.fit))
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)
     if named.comparison.ambiguous_with:

@@ -181,11 +181,24 @@ def certainty(named: NamedEffect) -> str:
         other, rise = min(comparison.others, key=lambda each: each[1], default=("", inf))
         if rise < _NEARLY_AS_WELL and all(rise <= rival.worse for rival in comparison.rivals):
             return f"{sure}; {other} would explain the data nearly as well"
+        if shares := list(_shares_of_doubt(named)):
+            return f"{sure}; the rest is shared by {listed([*shares, 'causes that are in no list'])}"
     if comparison.rivals:
         return f"{sure}; the closest alternative, {comparison.rivals[0].effect.name}, explains the data worse"
     if comparison.confidence < _MIN_SURE:
         return f"{sure}; no other effect comes close, but the cost falls little more than by chance"
     return f"{sure}; no other effect comes close"
+
+
+def _shares_of_doubt(named: NamedEffect) -> Iterator[str]:
+    """Yield what has a notable weight beside a name, the largest first."""
+    comparison = named.comparison
+    shares = [(comparison.by_chance, "chance (the cost falls little more than a name needs)")]
+    if comparison.rivals:
+        rival = comparison.rivals[0]
+        shares.append((rival.worse, f"the closest alternative ({rival.effect.name}, which explains the data worse)"))
+    shares += [(rise, name.rstrip(",")) for name, rise in comparison.others[:1]]
+    yield from (text for rise, text in sorted(shares) if rise < _NEARLY_AS_WELL)
 
 
 def to_measure(named: NamedEffect) -> Iterator[tuple[str, str]]:
@@ -197,10 +210,10 @@ def to_measure(named: NamedEffect) -> Iterator[tuple[str, str]]:
             yield effect.name, effect.kind.excitation
 
 
-def without_effect(ablation: Ablation) -> str:
-    """Return how the model becomes worse without an effect, as a clause."""
+def without_effect(ablation: Ablation, fit: HypothesisFit) -> str:
+    """Return how the model `fit` becomes worse without an effect, as a clause."""
     text = f"the cost rises by {cost(ablation.cost_rise)}"
-    if deviations := _bent_text(ablation.fit):
+    if deviations := _bent_text(ablation.fit, besides=fit):
         text += f", and parameters leave their tolerances ({deviations})"
     if ablation.gain is None or ablation.effect_gain is None or ablation.log_score is None:
         return text
@@ -280,12 +293,22 @@ def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:
             yield entry.effect.name, entry.drop, threshold / entry.drop
 
 
-def _bent_text(fit: HypothesisFit) -> str:
-    """Return, for example, `track_m by 5 tolerances`, the furthest parameter first; empty if none is bent."""
-    deviations = zip(fit.hypothesis.nuisances, np.abs(fit.hypothesis.prior(fit.x)).tolist(), strict=True)
-    bent = [(nuisance.name, deviation) for nuisance, deviation in deviations if deviation >= MIN_BENT]
+def _bent_text(fit: HypothesisFit, besides: HypothesisFit | None = None) -> str:
+    """Return, for example, `track_m by 5 tolerances`, the furthest parameter first; empty if none is bent.
+
+    Args:
+        fit: The fit with these parameters.
+        besides: Another fit, whose own bent parameters are left out.
+    """
+    known = {name for name, _ in _bent(besides)} if besides is not None else set()
+    bent = [(name, deviation) for name, deviation in _bent(fit) if name not in known]
     names = ", ".join(f"{name} by {tolerances:.0f}" for name, tolerances in sorted(bent, key=lambda item: -item[1]))
     return f"{names} tolerances" if names else ""
+
+
+def _bent(fit: HypothesisFit) -> list[tuple[str, float]]:
+    deviations = zip(fit.hypothesis.nuisances, np.abs(fit.hypothesis.prior(fit.x)).tolist(), strict=True)
+    return [(nuisance.name, deviation) for nuisance, deviation in deviations if deviation >= MIN_BENT]
 
 
 def _gains(gain: Gain) -> str:

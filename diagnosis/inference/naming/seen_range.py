@@ -15,6 +15,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import change_by
+from diagnosis.measured.case_format import LONG_AFTER_S
 from diagnosis.predictors.base import CovariateShape, Observed
 from symolo.core.arrays import Array
 
@@ -60,6 +61,8 @@ def seen_ranges(
             if not len(inside):
                 continue
             low, high = float(inside.min()), float(inside.max())
+            if name == "t_s" and low >= LONG_AFTER_S:  # rows that were counted, because no times were logged
+                continue
             before = ranges.get(name, SeenRange(name, low, high))
             ranges[name] = SeenRange(name, min(low, before.low), max(high, before.high))
     return tuple(ranges.values())

@@ -76,6 +76,8 @@ class RivalComparison:
     """What else would explain the data, in words, and the increase of the cost, the closest first."""
     is_whole: bool = True
     """Whether the model leaves neither a structure with an unknown cause nor a noise that cannot be as stated."""
+    by_chance: float = np.inf
+    """Increase of the cost without any effect, beyond the threshold for naming one."""
 
     @property
     def ambiguous_with(self) -> tuple[str, ...]:
@@ -122,10 +124,11 @@ def compare_rivals(
     is_whole = is_whole and float(fit.noise.levels.max()) < LEVELS[1]
     else_weight = SOMETHING_ELSE if is_whole else SOMETHING_ELSE_BESIDE
     rises = [rival.worse for rival in rivals] + [rise for _, rise in others]
-    certainty = confidence(rises, base.cost - fit.cost - needed(effect), else_weight)
+    by_chance = base.cost - fit.cost - needed(effect)
+    certainty = confidence(rises, by_chance, else_weight)
     closest_others = tuple(sorted(others, key=lambda other: other[1]))
     return RivalComparison(
-        effect, certainty, tuple(sorted(rivals, key=lambda rival: rival.worse)), closest_others, is_whole
+        effect, certainty, tuple(sorted(rivals, key=lambda rival: rival.worse)), closest_others, is_whole, by_chance
     )
 
 

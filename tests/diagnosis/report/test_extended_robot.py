@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,8 @@ from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.diagnose import diagnose
-from diagnosis.extended_robot import FILE, extended_robot, rounded
+from diagnosis.examples.example import FOLDER as EXAMPLES
+from diagnosis.extended_robot import FILE, _comments, extended_robot, rounded
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fitting.fit import HypothesisFit
@@ -19,6 +22,9 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import RivalComparison
+from diagnosis.measured.nominal import read_nominal
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import nuisances
 from physics.drivetrain.motor_bench import steady_states
 from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel
@@ -97,6 +103,18 @@ def test_each_number_says_where_it_comes_from(diagnosis_of):
             assert "  # " in line, line
     assert "# named by the diagnosis; standard error 0.006" in text
     assert "nominal 3, tolerance 0.03; fitted " in text
+
+
+def test_the_standard_error_of_a_diameter_is_twice_that_of_the_radius():
+    nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
+    (radius,) = (each for each in nuisances(nominal) if each.name == "wheel_radius_m")
+    robot = nominal_robot(nominal, draw_robot(load_section("robot", "nominal"), 0, "test")[0])
+    hypothesis = SimpleNamespace(nominal=robot, nuisances=(radius,))
+    fit = SimpleNamespace(hypothesis=hypothesis, x=np.zeros(1), covariance=np.array([[0.25]]))
+    diagnosis: Any = SimpleNamespace(fit=fit, fitted_effects=(), random_drift=None, law=None)
+    comment = _comments(diagnosis)["drive", "wheel_diameter_m"]
+    # Half a tolerance of the radius is a whole one of the diameter.
+    assert comment.endswith(f"standard error {radius.tolerance:.2g}")
 
 
 def test_a_diagnosis_without_effects_has_a_robot_without_effects(diagnosis_of, loaded):

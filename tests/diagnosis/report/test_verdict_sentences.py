@@ -24,9 +24,14 @@ from diagnosis.report.verdict import (
 )
 
 
-def said(confidence, *others, is_whole=True, rivals=()):
+def said(confidence, *others, is_whole=True, rivals=(), by_chance=30.0):
     comparison = SimpleNamespace(
-        confidence=confidence, others=others, is_whole=is_whole, rivals=rivals, ambiguous_with=()
+        confidence=confidence,
+        others=others,
+        is_whole=is_whole,
+        rivals=rivals,
+        ambiguous_with=(),
+        by_chance=by_chance,
     )
     named: Any = SimpleNamespace(comparison=comparison)
     return certainty(named)
@@ -40,11 +45,21 @@ RIVAL = SimpleNamespace(effect=SimpleNamespace(name="speed_scale"), worse=9.0)
     [
         ([("supply_sag and quadratic_drag together", 3.0)], "supply_sag and quadratic_drag together would explain the"),
         ([(FORM, 5.0)], "an error of simple form, whose cause is in no list, would explain the data nearly as well"),
-        ([(FORM, 10.0)], "the closest alternative, speed_scale, explains the data worse"),
+        (
+            [(FORM, 10.0)],
+            "; the rest is shared by the closest alternative (speed_scale, which explains the data worse), an error of",
+        ),
     ],
 )
 def test_a_name_that_is_not_certain_says_what_else_it_may_be(others, text):
     assert text in said(0.7, *others, rivals=[RIVAL])
+
+
+def test_a_name_near_chance_says_where_the_rest_of_the_confidence_is():
+    assert said(0.436, (FORM, 30.0), rivals=[RIVAL], by_chance=1.0) == (
+        "43.6 %; the rest is shared by chance (the cost falls little more than a name needs), the closest "
+        "alternative (speed_scale, which explains the data worse) and causes that are in no list"
+    )
 
 
 def test_a_name_that_is_nearly_certain_says_nothing_of_what_is_far_away():
@@ -180,9 +195,24 @@ def test_an_effect_of_the_noise_is_judged_by_the_likelihood_of_the_readings(chan
     hypothesis = SimpleNamespace(nuisances=(), prior=lambda _: np.zeros(0))
     fit: Any = SimpleNamespace(hypothesis=hypothesis, x=None)
     ablation = Ablation("noise_scale", fit, 39.5, gain, gain, change, is_of_noise=True)
-    said_of_it = without_effect(ablation)
+    said_of_it = without_effect(ablation, fit)
     assert text in said_of_it
     assert "gain" not in said_of_it
+
+
+def fit_with(**deviations: float) -> Any:
+    nuisances = [SimpleNamespace(name=name) for name in deviations]
+    hypothesis = SimpleNamespace(nuisances=nuisances, prior=lambda _: np.array(list(deviations.values())))
+    return SimpleNamespace(hypothesis=hypothesis, x=None)
+
+
+def test_numbers_that_are_as_far_off_with_an_effect_are_not_said_to_be_so_without_it():
+    gain = Gain(0.5, 0.4, 0.6, 2.0, 1.0, ())
+    ablation = Ablation(
+        "turn_slip", fit_with(range_offset_m=9.0, track_m=-5.0), 20.0, None, gain, None, is_of_noise=False
+    )
+    text = without_effect(ablation, fit_with(range_offset_m=8.9, track_m=0.5))
+    assert text == "the cost rises by 20.0, and parameters leave their tolerances (track_m by 5 tolerances)"
 
 
 def test_a_model_of_which_no_parameter_moved_changes_nothing():
@@ -203,7 +233,7 @@ def test_held_out_rows_that_every_robot_predicts_say_nothing():
     fit: Any = SimpleNamespace(hypothesis=hypothesis, x=None)
     change = LogScoreChange(0.0, 0.0, 0.0)
     ablation = Ablation("friction_warmup", fit, 13.2, nothing, nothing, change, is_of_noise=False)
-    assert without_effect(ablation) == "the cost rises by 13.2; the held-out rows say nothing about it"
+    assert without_effect(ablation, fit) == "the cost rises by 13.2; the held-out rows say nothing about it"
 
 
 @pytest.mark.parametrize(

@@ -31,3 +31,11 @@ def test_the_range_of_a_reading_is_what_the_model_with_the_effect_predicts(evide
     ranges = {seen.covariate: (seen.low, seen.high) for seen in seen_ranges(evidence, nominal, fit, model.effects[0])}
     assert ranges["x"] == (1.0, 3.0)
     np.testing.assert_allclose(ranges["current_A"], (2.0, 6.0), rtol=0.01)
+
+
+def test_rows_that_are_counted_for_lack_of_times_are_no_condition(evidence_of, hypothesis, effect):
+    x = np.linspace(1.0, 3.0, 121)
+    evidence = evidence_of(x, 2.0 * x, heldout=20, t_s=1e6 + np.arange(121.0))
+    model = hypothesis.with_effect(effect("current_sensor_gain"))
+    nominal, fit = fits(evidence, [(hypothesis, hypothesis.null()), (model, model.null())])
+    assert [seen.covariate for seen in seen_ranges(evidence, nominal, fit, model.effects[0])] == ["x"]
