@@ -255,11 +255,12 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     comments: dict[FieldPath, str] = {}
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
-        at = nuisance.value + 3.0 * nuisance.tolerance
-        before, after = plain_tree(bare), plain_tree(nuisance.applied(bare, at))
-        for path in leaf_paths(difference_of(after, before)):
+        # Of an effect, the robot has nothing at the nominal value, so the slope is that between two others.
+        near, far = (nuisance.value + times * nuisance.tolerance for times in (1.5, 3.0))
+        before, after = (plain_tree(nuisance.applied(bare, at)) for at in (near, far))
+        for path in leaf_paths(difference_of(after, plain_tree(bare))):
             ends = [_section(tree, path)[str(path[-1])] for tree in (before, after)]
-            slope = (ends[1] - ends[0]) / (at - nuisance.value)
+            slope = (ends[1] - ends[0]) / (far - near)
             text = _nuisance_text(nuisance, float(fit.x[k]), errors[k], slope)
             comments[path] = text if path[-1] == nuisance.name else f"{nuisance.name}: {text}"
     for named in diagnosis.fitted_effects:

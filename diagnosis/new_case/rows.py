@@ -11,6 +11,7 @@ from diagnosis.measured.case_format import CAMERA_CHANNELS, LONG_AFTER_S, RANGES
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
+from diagnosis.new_case.input_reach import input_faults
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
 from logs.counts import running_counts
@@ -122,7 +123,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                     numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
     if not faults.faults:
-        faults.faults += unit_faults(mapping, KINDS[kind], values, log)
+        faults.faults += unit_faults(mapping, KINDS[kind], values, log) or input_faults(mapping, values, log)
     faults.check()
     names = [name for name in values if name not in {"t_s", "trial", "sweep"}]
     notes += [

@@ -600,3 +600,19 @@ def test_rows_in_which_something_moves_are_held_out(log, at_s, at_ticks, held_fr
     (trial,) = measurement.trials
     np.testing.assert_array_equal(trial.holdout, trial.t_s > held_from_s - 0.02)
     assert any("where nothing moves in it" in note for note in measurement.notes) == (held_from_s < 3.0)
+
+
+@pytest.mark.parametrize(
+    ("unit", "suspicion"),
+    [("cm", r"is the column in mm\? then write unit: mm for distance_m in mapping.yaml; otherwise, "), ("mm", "")],
+)
+def test_an_input_out_of_reach_is_named_with_its_row_in_the_log(unit, suspicion, log):
+    true = np.array([50, 300, 600, 900, 1200])
+    if unit == "mm":
+        true[4] = 12000
+    columns = {"distance_m": {"column": "true", "unit": unit}, "reading_m": {"column": "read", "unit": "mm"}}
+    mapping = LogMapping.model_validate({"kind": "tof_bench", "columns": columns})
+    written = log(table("true,read", true, true))
+    message = rf"row 6: column true: as {unit} it gives distance_m 12; allowed: 0 to 10 m; {suspicion}repair or remove"
+    with pytest.raises(InputError, match=message):
+        measurement_of(written, mapping, "run")
