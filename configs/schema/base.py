@@ -30,15 +30,16 @@ FILE_KEY = "x-file"
 FIELDS_DISAGREE = "fields_disagree"
 
 
-def disagreement(field: str, got: float | str, allowed: str) -> PydanticCustomError:
+def disagreement(field: str, got: float | str, allowed: str, cure: str = "") -> PydanticCustomError:
     """Return the error that a section's validator raises when one of its fields contradicts another.
 
     Args:
         field: The field at fault; empty for the validated field itself.
         got: Its value.
         allowed: Allowed values, in words.
+        cure: What to do about it, if it is known.
     """
-    context = {"field": field, "got": got, "allowed": allowed}
+    context = {"field": field, "got": got, "allowed": allowed, "cure": cure}
     return PydanticCustomError(FIELDS_DISAGREE, "{field}: got {got}, allowed: {allowed}", context)
 
 

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from configs.schema.base import disagreement
+from configs.validation.other_units import other_unit
 
 SENSOR_WIDTH_MM = 42.33
 """Width of the image sensor of a further camera for which none is written [mm]."""
@@ -33,7 +34,9 @@ def with_focal_length(settings: Any) -> Any:  # noqa: ANN401 - whatever a file h
     if not shortest <= focal_mm <= longest:
         low, high = (math.degrees(2 * math.atan(width_mm / (2 * end))) for end in (longest, shortest))
         allowed = f"{low:.3g} to {high:.4g} degrees with sensor_width_mm {width_mm:g}"
-        raise disagreement("field_of_view_deg", angle_deg, allowed)
+        raise disagreement(
+            "field_of_view_deg", angle_deg, allowed, other_unit("field_of_view_deg", angle_deg, low, high)
+        )
     others = {name: value for name, value in settings.items() if name != "field_of_view_deg"}
     return {**others, "focal_length_mm": focal_mm}
 

@@ -7,6 +7,7 @@ from pydantic_core import ErrorDetails
 
 from configs.schema.base import FIELDS_DISAGREE
 from configs.validation.faults import SETTING, ConfigFault
+from configs.validation.other_units import other_unit
 from configs.validation.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.tree import FieldPath, Node, dotted
@@ -18,18 +19,6 @@ _UNITS = {
     "Hz": ("hz", 1.0), "kHz": ("hz", 1e3), "px": ("px", 1.0), "ohm": ("ohm", 1.0),
 }  # fmt: skip
 """Unit of a value written as text -> unit at the end of the field's name, and the factor to it."""
-
-_SMALLER_UNITS = {
-    "m": ("metres", (("cm", 100), ("mm", 1000))),
-    "s": ("seconds", (("ms", 1000),)),
-    "kg": ("kilograms", (("g", 1000),)),
-    "V": ("volts", (("mV", 1000),)),
-}
-"""Unit at the end of a field's name -> its name, and smaller units with their number per unit."""
-MAX_HINTED = 1e9
-"""Largest number that may have a wrong unit; a larger one is a mistake of another kind, and may overflow."""
-_SIMPLE_UNIT = re.compile(r"(?<!_m)(?<!_rad)(?<!_N)(?<!_per)(?<!_1)_(m|s|kg|V)$")
-"""Unit at the end of the name of a length, time, mass or voltage, and not of a speed, torque or quotient."""
 
 NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pitch_deg", "roll_deg", "tilt_deg"})
 """Keys of an arena by which users try to describe a floor that is no plane."""
@@ -84,7 +73,8 @@ def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Co
         return ConfigFault(path, "missing", allowed=here.words())
     context = fault.get("ctx", {})
     if fault["type"] == FIELDS_DISAGREE:
-        return ConfigFault(path, got=context["got"], allowed=context["allowed"], against=_changed_beside(path, root))
+        against, cure = _changed_beside(path, root), context["cure"]
+        return ConfigFault(path, got=context["got"], allowed=context["allowed"], against=against, cure=cure)
     got = fault["input"]
     if here.tag_key and isinstance(got, dict):
         return _unknown_tag(path, got, here)
@@ -137,12 +127,7 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
     """Return what to do about a value of the wrong type, or an empty string."""
     if (shape.is_number or shape.is_integer) and isinstance(got, str):
         return _cure_of_text(str(path[-1]), got)
-    if (
-        isinstance(got, int | float)
-        and not isinstance(got, bool)
-        and abs(got) <= MAX_HINTED
-        and (hint := _cure_of_size(path, got, shape))
-    ):
+    if isinstance(got, int | float) and not isinstance(got, bool) and (hint := _cure_of_size(path, got, shape)):
         return hint
     if got == 0 and (cure := _cure_of_zero(path)):
         return cure
@@ -173,16 +158,11 @@ def _cure_of_zero(path: FieldPath) -> str:
 
 
 def _cure_of_size(path: FieldPath, got: float, shape: Shape) -> str:
-    """Return the question whether a number far beyond its bounds has another unit; empty where that is no reason."""
+    """Return the question whether a number out of its bounds has another unit; empty where that is no reason."""
     field = "_m" if path[:1] == ("arena",) and isinstance(path[-1], int) else str(path[-1])
-    match = _SIMPLE_UNIT.search(field)
     low = shape.schema.get("minimum", shape.schema.get("exclusiveMinimum"))
     high = shape.schema.get("maximum", shape.schema.get("exclusiveMaximum"))
-    if not match or low is None or high is None or abs(got) < 2 * max(abs(low), abs(high)):
-        return ""
-    word, parts = _SMALLER_UNITS[match[1]]
-    fitting = [f"{got:g} {unit} are {got / per:g}" for unit, per in parts if low <= got / per <= high]
-    return f"is it in {word}? {', '.join(fitting)}" if fitting else ""
+    return "" if low is None or high is None else other_unit(field, got, low, high)
 
 
 def _cure_of_text(field: str, text: str) -> str:

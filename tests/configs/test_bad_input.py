@@ -341,26 +341,6 @@ def test_each_fault_is_one_line_with_place_and_field(case: Bad, here: Path, scen
 
 
 @pytest.mark.parametrize(
-    ("setting", "ending"),
-    [
-        ("drive.track_m=190", "is it in metres? 190 mm are 0.19"),
-        ("drive.wheel_diameter_m=80", "is it in metres? 80 mm are 0.08"),
-        ("drive.caster_x_m=-70", "is it in metres? -70 mm are -0.07"),
-        ("tof.period_s=33", "is it in seconds? 33 ms are 0.033"),
-        ("chassis.mass_kg=1700", "is it in kilograms? 1700 g are 1.7"),
-        ("power.battery_voltage_V=7400", "is it in volts? 7400 mV are 7.4"),
-        ("encoder.counts_per_revolution=2248.86", "to 2249, with which wheels and odometry are then simulated"),
-        ("controller.line.k1_m_s=180", "number > 0 and <= 2"),
-        ("motor.coulomb_friction_N_m=20", "number >= 0 and <= 10"),
-    ],
-)
-def test_a_number_that_is_not_allowed_is_followed_by_what_it_may_mean(setting, ending):
-    with pytest.raises(InputError) as error:
-        load_scenario("symolo", [f"robot.{setting}"])
-    assert str(error.value).endswith(ending)
-
-
-@pytest.mark.parametrize(
     ("setting", "message"),
     [
         (
