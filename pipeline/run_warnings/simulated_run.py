@@ -10,7 +10,9 @@ from configs.schema.scenario import RunSpec
 from physics.control.following import MAX_ERROR, follow
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
-from pipeline.run_warnings.angles import Suspicion, in_radians, settings_in_radians
+from pipeline.run_warnings.angles import in_radians, settings_in_radians
+from pipeline.run_warnings.suspicion import Suspicion
+from pipeline.run_warnings.unusual_settings import unusual_settings
 from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
@@ -69,6 +71,7 @@ def _suspicions(spec: RunSpec) -> Iterator[Suspicion]:
     """Yield what is suspicious about a run, and about the path of the built-in controller through its arena."""
     line = Arena.from_config(spec.arena).line
     yield from _in_radians(spec, line)
+    yield from unusual_settings(spec)
     yield from _outside_the_body(spec.robot)
     if spec.board is None and spec.controller is None:
         yield from _too_slow(spec.robot)
@@ -110,10 +113,13 @@ def _too_slow(robot: RobotConfig) -> Iterator[Suspicion]:
     ]
     commanded_m_s, error, place = max(commanded)
     if commanded_m_s > reached_m_s:
+        diameter_m = robot.drive.wheel_diameter_m
+        larger = 2.0 * diameter_m
+        radius = f"; if wheel_diameter_m is the radius, write {larger:g}" if commanded_m_s <= 2.0 * reached_m_s else ""
         text = (
             f"robot.controller.{place} asks a wheel for {commanded_m_s:.2g} m/s at an error of {error:g}, and the"
-            f" motors reach {reached_m_s:.2g} m/s at {voltage_V:g} V without load: the robot is slower than that, and"
-            " may cut bends"
+            f" motors reach {reached_m_s:.2g} m/s at {voltage_V:g} V with wheels of {diameter_m:g} m without load: the"
+            f" robot is slower than that, and may cut bends{radius}"
         )
         yield Suspicion("speed beyond the motors", text)
 
@@ -158,8 +164,8 @@ def _through_walls(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
 def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
     """Return what is suspicious about a run; nothing for nearly all runs."""
     line = Arena.from_config(spec.arena).line
-    of_start = [suspicion.text for suspicion in _in_radians(spec, line)]
-    return (*_standing(recording), *_without_the_line(spec, line, recording), *of_start)
+    of_settings = [suspicion.text for suspicion in (*_in_radians(spec, line), *unusual_settings(spec))]
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *of_settings)
 
 
 def _standing(recording: Recording) -> Iterator[str]:

@@ -1,0 +1,95 @@
+"""Settings that are within their bounds and probably in another unit."""
+
+import itertools
+
+import pytest
+
+from configs.draw import draw_all
+from configs.loader import load_scenario
+from configs.references import shipped_names
+from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings
+from pipeline.run_warnings.unusual_settings import unusual_settings
+from pipeline.stages.simulate import simulate
+
+ROUTE = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+ARC = "{kind: arc, center: [0.30, 0.50], radius_m: 0.25, start_deg: 0, end_deg: 1.5708}"
+
+
+def warnings_of(*settings):
+    return plan_warnings(draw_all(load_scenario("smoke", [ROUTE, *settings])))
+
+
+@pytest.mark.parametrize(
+    ("setting", "ending"),
+    [
+        ("robot.sensors.lidar.ray_step_deg=0.0175", "within 6.3 degrees; if it is in radians, write ray_step_deg: 1"),
+        ("robot.sensors.lidar={rays: 270, ray_step_deg: -0.0175}", "if it is in radians, write ray_step_deg: -1"),
+        ("robot.tof.beam_sigma_deg=0.122", "if it is in radians, write beam_sigma_deg: 7"),
+        ("robot.sensors.sonar={kind: ultrasonic, field_of_view_deg: 0.524}", "radians, write field_of_view_deg: 30"),
+        ("robot.camera.pitch_down_deg=0.52", "if it is in radians, write pitch_down_deg: 30"),
+        (
+            f"arena.line.pieces=[{{kind: straight, start: [0.55, -0.7], end: [0.55, 0.5]}}, {ARC}]",
+            "arena.line.pieces.1.end_deg 1.5708 looks like radians; if it is in radians, write end_deg: 90",
+        ),
+        ("robot.sensors.imu.gyroscope.bias_sd_rad_s=0.3", "if it is in deg/s, write bias_sd_rad_s: 0.00524"),
+        ("robot.sensors.imu.gyroscope.range_rad_s=250", "if it is in deg/s, write range_rad_s: 4.36"),
+        ("robot.encoder.dropout_probability=1", "if it is in per cent, write dropout_probability: 0.01"),
+        ("robot.tof.dropout_probability=1", "if it is in per cent, write dropout_probability: 0.01"),
+        ("robot.tof.quantisation_m=0.1", "if it is in mm, write quantisation_m: 0.0001"),
+        ("stop.time_limit_s=6000", "if it is in ms, write time_limit_s: 6"),
+        ("render.jpeg_quality=1", "if it is in parts of one, write jpeg_quality: 100"),
+        ("look.tape.paint.hue_deg=0.5", "if it is in turns, write hue_deg: 180"),
+        ("rates.camera_hz=0.2", "one image in 5 s; if it is the time between two images, write camera_hz: 5"),
+        # 0.9 kg at wheels of 32.5 mm have 9.5e-4 kg m2.
+        ("robot.motor.rotor_inertia_kg_m2=1", "as if the robot were 1053 times as heavy; if it is in kg cm2, write "),
+        ("robot.drive.track_m=0.07", "if it is the distance of a wheel from the middle, write track_m: 0.14"),
+        ("robot.drive.wheel_diameter_m=0.0325", "may cut bends; if wheel_diameter_m is the radius, write 0.065"),
+        (
+            "robot.effects.wheel_radius_asymmetry.asymmetry=0.6",
+            "for two wheels of the same type, one per cent is much; if it is in per cent, write asymmetry: 0.006",
+        ),
+    ],
+)
+def test_a_number_in_another_unit_is_named_with_the_number_to_write(setting, ending):
+    (warning,) = warnings_of(setting)
+    assert setting.partition("=")[0].rpartition(".")[2] in warning
+    assert ending in warning
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "robot.sensors.lidar={rays: 8, ray_step_deg: 0.5}",
+        "robot.sensors.lidar={rays: 1000, ray_step_deg: 0.1}",
+        "robot.tof.beam_sigma_deg=1",
+        "robot.camera.pitch_down_deg=0.6",
+        "robot.camera.pitch_down_deg=0",
+        "robot.encoder.dropout_probability=0.5",
+        "robot.tof.dropout_probability={uniform: [0.9, 1]}",
+        "robot.tof.quantisation_m=0",
+        "stop.time_limit_s=1800",
+        "render.jpeg_quality=2",
+        "look.tape.paint.hue_deg=0",
+        "rates.camera_hz=0",
+        "rates.camera_hz=0.5",
+        "robot.motor.rotor_inertia_kg_m2=0.02",
+        "robot.drive.track_m=0.1",
+        "robot.effects.wheel_radius_asymmetry.asymmetry=0.1",
+        "robot.effects.wheel_radius_asymmetry.asymmetry={uniform: [0.5, 0.6]}",
+    ],
+)
+def test_unusual_numbers_that_may_be_meant_and_drawn_ones_get_no_warning(setting):
+    assert warnings_of(setting) == ()
+
+
+def test_the_record_of_a_run_has_the_warning():
+    (spec,) = draw_all(load_scenario("smoke", [ROUTE, "stop.time_limit_s=1", "robot.encoder.dropout_probability=1"]))
+    assert any(
+        text.endswith("write dropout_probability: 0.01") for text in run_warnings(spec, simulate(spec).recording)
+    )
+
+
+@pytest.mark.parametrize(("robot", "look"), list(itertools.product(shipped_names("robot"), shipped_names("look"))))
+def test_shipped_robots_and_looks_have_usual_numbers(robot, look):
+    for spec in draw_all(load_scenario("smoke", [f"robot={robot}", f"look={look}"])):
+        assert list(unusual_settings(spec)) == []
