@@ -11,6 +11,7 @@ from blender_scenes.blender_side.matt_colors import measure_matt_colors
 from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.lost_light import lost_light_factor
 from blender_scenes.render.sampling import TracingSettings
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
@@ -22,7 +23,8 @@ from symolo.core.random_streams import stream
 
 _SCRATCH = "light.exr"
 _METERING_SAMPLES = 8
-_EXR_PIXEL_BYTES = 12
+_EXR_PIXEL_BYTES, _PASSES_PIXEL_BYTES = 12, 60
+"""Size of a pixel of an image of the light, and of one with the passes of the denoiser."""
 
 
 def configure(job: RenderJob, threads: int, scratch: Path) -> None:
@@ -145,7 +147,8 @@ class FrameTracer:
         if self._hybrid is not None:
             light = self._hybrid.light(view, seed)
         else:
-            light = traced_light(view, self.size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
+            trace = denoised_light if job.sampling.denoise else traced_light
+            light = trace(view, self.size, seed=seed, samples=job.sampling.samples)
         return light * np.array(view.light_gain, np.float32)
 
 
@@ -156,7 +159,7 @@ def metered_light(job: RenderJob) -> np.ndarray:
     lights = []
     for view in metered_views(job.frames):
         seed = noise_seed(job.sampling.seed, "metering", view.number)
-        light = traced_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False)
+        light = traced_light(view, size, seed=seed, samples=_METERING_SAMPLES)
         lights.append(light if field is None else light[field])
     return np.concatenate(lights)
 
@@ -166,10 +169,28 @@ def noise_seed(seed: int, *path: str | int) -> int:
     return int(stream(seed, "path tracing", *path).integers(2**31))
 
 
-def traced_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
-    """Return the linear light (H, W, 3) of a view; errors are those of `rendered`."""
-    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
-    return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
+def traced_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int) -> np.ndarray:
+    """Return the linear light (H, W, 3) of a view with its noise; errors are those of `rendered`."""
+    return _rgb(traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=False))
+
+
+def denoised_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int) -> np.ndarray:
+    """Return the denoised linear light (H, W, 3) of a view, with the mean that it has without the denoiser.
+
+    Errors are those of `rendered`.
+    """
+    layer, image = bpy.context.view_layer, bpy.context.scene.render.image_settings
+    layer.cycles.denoising_store_passes, image.file_format = True, "OPEN_EXR_MULTILAYER"
+    try:
+        channels = traced(view, size, _PASSES_PIXEL_BYTES, seed=seed, samples=samples, denoise=True)
+    finally:
+        layer.cycles.denoising_store_passes, image.file_format = False, "OPEN_EXR"
+    noisy, denoised = (_rgb(channels, f"{layer.name}.{name}.") for name in ("Noisy Image", "Combined"))
+    return denoised * np.float32(lost_light_factor(noisy, denoised))
+
+
+def _rgb(channels: dict[str, np.ndarray], prefix: str = "") -> np.ndarray:
+    return np.stack([channels[prefix + name] for name in "RGB"], axis=-1).astype(np.float32)
 
 
 def reference_light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int) -> np.ndarray:
@@ -184,7 +205,7 @@ def reference_light(view: FrameView, size: tuple[int, int], *, seed: int, sample
     first = 1 << (samples - 1).bit_length()
     cycles.use_sample_subset, cycles.sample_offset, cycles.sample_subset_length = True, first, samples
     try:
-        return traced_light(view, size, seed=seed, samples=first + samples, denoise=False)
+        return traced_light(view, size, seed=seed, samples=first + samples)
     finally:
         cycles.use_sample_subset = False
 

@@ -30,12 +30,18 @@ def typical_color(surface: Surface) -> RGB:
 def matt_color(surface: Surface, base: RGB) -> RGB:
     """Return the colour of a matt surface that reflects about as much light as a surface by its gloss and its base.
 
-    Gloss takes its share before the base, whose mean colour is `base`. The share is that of light at a right angle
-    (Fresnel); at grazing angles it is larger, but light that grazes a surface is reflected to others that are dark.
+    Gloss takes its share before the base, whose mean colour is `base`. The share is that of unpolarised light at 45
+    degrees (Fresnel), the mean angle at which even light from all directions falls on a surface.
     """
-    gloss = 0.0 if surface.metallic else ((surface.refractive_index - 1) / (surface.refractive_index + 1)) ** 2
+    gloss = 0.0 if surface.metallic else _gloss(surface.refractive_index)
     red, green, blue = (gloss + (1 - gloss) * component for component in base)
     return red, green, blue
+
+
+def _gloss(refractive_index: float) -> float:
+    inside = math.sqrt(2 * refractive_index**2 - 1)
+    across = ((inside - 1) / (inside + 1)) ** 2
+    return 0.5 * (across + across**2)  # at 45 degrees, the share of light along the plane is the square of that across
 
 
 def _typical(texture: Texture) -> RGB | float:

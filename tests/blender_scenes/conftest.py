@@ -114,15 +114,17 @@ def _light_job(
     lens: Coefficients = NO_DISTORTION,
     samples: int = 64,
     paths: LightPathLimits = LIGHT_PATHS["standard"],
+    *,
+    denoise: bool = False,
 ) -> RenderJob:
-    """Return the job of images of a scene, P pixels wide and high, traced in full and not denoised."""
+    """Return the job of images of a scene, P pixels wide and high, traced in full."""
     middle = 0.5 * (pixels - 1)
     return RenderJob(
         format=RenderJob.FORMAT,
         scene=scene,
         camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
         frames=tuple(views),
-        sampling=TracingSettings(seed=1, samples=samples, denoise=False, paths=paths),
+        sampling=TracingSettings(seed=1, samples=samples, denoise=denoise, paths=paths),
         response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
         shutter=shutter,
     )

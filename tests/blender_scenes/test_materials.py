@@ -35,7 +35,7 @@ from blender_scenes.scene.shading import (
     Tiles,
     as_texture,
 )
-from blender_scenes.scene.typical import typical_color
+from blender_scenes.scene.typical import matt_color, typical_color
 from configs.schema.appearance.asset import Asset, ImageLook
 from configs.schema.appearance.floors import CeramicTile, FloorLook, FloorName, Vinyl
 from configs.schema.appearance.lighting import PanoramaName
@@ -243,3 +243,16 @@ def test_every_face_of_a_scene_has_a_surface_of_its_own_name(robot, surface):
 )
 def test_the_typical_colour_of_small_expressions_by_hand(texture, expected):
     assert typical_color(Surface("s", texture)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("base", "expected"), [(0.0, 0.0502), (0.5, 0.5251), (1.0, 1.0)])
+def test_the_matt_colour_has_the_gloss_of_light_at_45_degrees(base, expected):
+    """Glass of index 1.5 reflects 9.20 % and 0.85 % of the two polarisations there (Hecht, Optics, section 4.6)."""
+    glass = Surface("s", Color((base, base, base)), refractive_index=1.5)
+    assert matt_color(glass, (base, base, base)) == pytest.approx((expected,) * 3, abs=1e-4)
+
+
+@pytest.mark.parametrize("values", [{"refractive_index": 1.0}, {"metallic": 1.0}])
+def test_the_matt_colour_of_a_surface_without_a_coat_is_its_base_colour(values):
+    base = (0.3, 0.3, 0.3)
+    assert matt_color(Surface("s", Color(base), **values), base) == base

@@ -1,5 +1,6 @@
 """Light over many bounces against closed forms, under both presets of light paths."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -41,6 +42,7 @@ def _matt(name: str, reflectance: float) -> Surface:
 
 
 GLOSSY = Surface("glossy", Color((1.0, 1.0, 1.0)), roughness=0.3)
+COATED = Surface("coated", Color((0.5, 0.5, 0.5)), roughness=0.3, refractive_index=1.5)
 METAL = Surface("metal", Color((0.9, 0.9, 0.9)), roughness=0.3, metallic=1.0)
 MIRROR = Surface("mirror", Color((0.9, 0.9, 0.9)), roughness=0.0, metallic=1.0)
 TILES = Tiles((0.1, 0.1), 0.05, 0.0, (0.0, 0.0), softness=0.01)
@@ -48,7 +50,7 @@ TILES = Tiles((0.1, 0.1), 0.05, 0.0, (0.0, 0.0), softness=0.01)
 TILED = Surface(
     "tiled", Mix(TILES, Color((0.9, 0.9, 0.9)), Color((0.5, 0.5, 0.5))), roughness=1.0, refractive_index=1.0
 )
-SURFACES = (TILED, _matt("0.5", 0.5), _matt("0.7", 0.7), _matt("0.8", 0.8), GLOSSY, METAL, MIRROR)
+SURFACES = (TILED, _matt("0.5", 0.5), _matt("0.7", 0.7), _matt("0.8", 0.8), GLOSSY, COATED, METAL, MIRROR)
 
 
 def _scene(meshes: tuple[Mesh, ...], *panels: LightPanel) -> Scene:
@@ -109,6 +111,7 @@ SCENES = {
     "sphere 0.5": _hollow_sphere("0.5"),
     "sphere 0.8": _hollow_sphere("0.8"),
     "plates": _plates("0.8"),
+    "coated plates": _plates("coated"),
     "tiled plates": _plates("tiled"),
     "even sky": (_scene((_floor(FAR_M, "0.5"),), _panel(1.0, 2 * FAR_M, 1.0)), DOWN),
     "lamp at 1 m": (_scene((_floor(1.0, "0.5"),), _panel(1.0, LAMP_M, 1000.0)), DOWN),
@@ -159,6 +162,29 @@ def test_an_integrating_sphere_collects_the_light_of_all_bounces(radiance, refle
 def test_two_parallel_plates_pass_light_to_each_other_again_and_again(radiance):
     """The lower plate has E = pi + 0.8 x 0.7 E, in light of radiance 1 from everywhere above."""
     assert radiance("plates") == pytest.approx(0.7 / (1 - 0.8 * 0.7), rel=0.02)
+
+
+def _share_of_even_light(index: float) -> float:
+    """Return the share of light from all directions that a dielectric reflects.
+
+    Formula: Egan and Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.
+    """
+    n, n2, n4 = index, index**2, index**4
+    return (
+        0.5
+        + (n - 1) * (3 * n + 1) / (6 * (n + 1) ** 2)
+        + n2 * (n2 - 1) ** 2 / (n2 + 1) ** 3 * math.log((n - 1) / (n + 1))
+        - 2 * n**3 * (n2 + 2 * n - 1) / ((n2 + 1) * (n4 - 1))
+        + 8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) ** 2) * math.log(n)
+    )
+
+
+@pytest.mark.parametrize(("preset", "within"), [("complete", 0.015), ("standard", 0.028)])
+def test_a_glossy_plate_passes_on_what_it_reflects_of_even_light(lights, preset, within):
+    """The light from the matt plate below is even. `standard` has the gloss of one angle in place of all."""
+    gloss = _share_of_even_light(1.5)
+    reflectance = gloss + 0.5 * (1 - gloss)
+    assert lights[preset]["coated plates"].mean() == pytest.approx(0.7 / (1 - reflectance * 0.7), rel=within)
 
 
 def test_a_textured_plate_passes_on_as_much_light_as_a_plate_of_its_mean_colour(radiance):

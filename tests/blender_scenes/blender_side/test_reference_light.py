@@ -30,7 +30,7 @@ build.start()
 build.build(job.scene, job.camera)
 with tempfile.TemporaryDirectory() as scratch:
     engine.configure(job, 1, Path(scratch))
-    image = lambda: engine.traced_light(view, size, seed=1, samples=2, denoise=False)
+    image = lambda: engine.traced_light(view, size, seed=1, samples=2)
     lights = [image()]
     lights += [engine.reference_light(view, size, seed=seed, samples=count) for count in samples for seed in seeds]
     for light in [*lights, image()]:
