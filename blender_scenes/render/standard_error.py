@@ -12,9 +12,9 @@ from symolo.core.arrays import FloatImage
 _REACH_PX = 12
 """Distance up to which the noise of two pixels is counted as correlated. A lens with a Gaussian spread of standard
 deviation b leaves a correlation of exp(-(h / 2 b)^2) at a distance h, so this suffices up to 3 px."""
-_RING_PX = 5, 7
+_RINGS_PX = (5, 7), (9, 13), (17, 25)
 """Sides of the squares around a pixel between which its neighbours have about the same variance of noise as itself, but
-noise that a lens hardly correlates with its own."""
+noise that a lens hardly correlates with its own. The wider ones have other bright pixels where these are rare."""
 
 
 def standard_error(differences: Sequence[FloatImage]) -> float:
@@ -38,11 +38,11 @@ def standard_error(differences: Sequence[FloatImage]) -> float:
     mean = variance.mean()
     if mean == 0:
         return 0.0
-    inner, outer = (_sum_around(variance, side) for side in _RING_PX)
-    neighbours = (outer - inner) / (_RING_PX[1] ** 2 - _RING_PX[0] ** 2)
     # The square of a noisy estimate would be too large; the product of estimates at neighbouring pixels is not.
-    unevenness = max(float(np.mean(variance * neighbours)) / mean**2, 1.0)
-    relative = inner / inner.mean()
+    products = (float(np.mean(variance * _mean_in_ring(variance, ring))) for ring in _RINGS_PX)
+    unevenness = max(*products, mean**2) / mean**2
+    nearby = _sum_around(variance, _RINGS_PX[0][0])
+    relative = nearby / nearby.mean()
     _, error = _covariances(values * np.sqrt(relative)[..., np.newaxis])
     total = unevenness * 2 / (count * (count - 1)) * np.sum(noise**2) + max(4 / count * np.sum(noise * error), 0.0)
     return math.sqrt(total / (height * width))
@@ -62,6 +62,12 @@ def _covariances(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDAr
     noise = np.fft.irfft2((of_each - of_sum / count) / (count - 1), size)[near]
     error = np.fft.irfft2((of_sum - of_each) / (count * (count - 1)), size)[near]
     return noise / (height * width * colours), error / (height * width * colours)
+
+
+def _mean_in_ring(values: NDArray[np.float64], sides_px: tuple[int, int]) -> NDArray[np.float64]:
+    """Return the mean around each pixel, between an inner and an outer square."""
+    inner, outer = sides_px
+    return (_sum_around(values, outer) - _sum_around(values, inner)) / (outer**2 - inner**2)
 
 
 def _sum_around(values: NDArray[np.float64], side_px: int) -> NDArray[np.float64]:
