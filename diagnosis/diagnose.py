@@ -4,12 +4,11 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-import numpy as np
-
 from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.case_robot import base_robot_of, checked_against, nominal_of, spreads_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
+from diagnosis.inference.evidence.early_voltages import EarlyPart, early_part
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
@@ -26,7 +25,8 @@ from diagnosis.inference.selection.candidates import Candidates, candidates
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.selection.rescue import rescued
 from diagnosis.inference.selection.rivals import AS_GOOD, RivalComparison, compare_rivals
-from diagnosis.inference.selection.stepwise import Selection, select
+from diagnosis.inference.selection.selected import selected, selected_with_early_voltages
+from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
@@ -43,8 +43,6 @@ from symolo.core.errors import InputError
 
 MIN_BETTER = 0.5
 """Fall of the cost by which a rival must explain more to replace an effect."""
-MAX_WEIGHT_RATIO = 1.25
-"""Ratio of the new to the old weight of a row, from which the effects are selected again."""
 SESSION_ROUNDS = 2
 """Fits after which the errors of the sessions are where the predictions are linear in them."""
 IN_ANSWER = {"distance_step_m": "previous_distance_m"}
@@ -140,6 +138,11 @@ class Diagnosis:
         return tuple((observed.name, level) for observed, level in levels if observed.noise_is_stated)
 
     @property
+    def early_voltages(self) -> EarlyPart | None:
+        """The part of the voltages that acts before it is logged; None if they act as they are logged."""
+        return early_part(self.evidence, self.fit)
+
+    @property
     def extended(self) -> RobotConfig:
         """The robot with fitted nuisances and the named effects."""
         return self.fit.robot.with_effect(self.random_drift.effect) if self.random_drift else self.fit.robot
@@ -208,7 +211,7 @@ def diagnose(
     bare, of_sessions = _with_sessions(measurement, evidence, bare)
     library = candidates(measurement, evidence, bare)
     library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))
-    evidence, selection = _selected(evidence, bare, library.testable)
+    evidence, bare, selection = selected_with_early_voltages(evidence, bare, library.testable)
     progress.begin(Phase.STRUCTURE)
     result = adequacy(evidence, selection.fit)
     # Outliers in successive rows favour no effect.
@@ -217,7 +220,7 @@ def diagnose(
     result = _structures_of(evidence, selection, result)
     measured, slow = evidence, random_drift(evidence, selection.nominal, selection.fit)
     if slow is not None:
-        steady, without_it = _selected(evidence.without(slow.path_m), bare, library.testable)
+        steady, without_it = selected(evidence.without(slow.path_m), bare, library.testable)
         rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
         # Beside a structure that the error leaves, it may be a part of the unknown cause.
         slow = None if rest.has_cause else slow
@@ -288,16 +291,6 @@ def _with_sessions(
         (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
         errors, of_sessions = session_nuisances(measurement, evidence, bare.nominal, fit), within_sessions(fit)
     return replace(bare, nuisances=(*bare.nuisances, *errors)), of_sessions
-
-
-def _selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateEffect]) -> tuple[Evidence, Selection]:
-    """Return the evidence with the noise that the selected effects leave, and the selection."""
-    selection = select(evidence, bare, effects)
-    # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
-    updated = with_estimated_noises(evidence, selection.fit)
-    if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
-        return updated, select(updated, bare, effects, selection)
-    return evidence, selection
 
 
 def _alternatives(

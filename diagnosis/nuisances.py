@@ -6,6 +6,7 @@ them as a parameter with that prior, in addition to the effects that it tests.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,8 @@ class Nuisance:
     change: Array | None = field(default=None, compare=False, repr=False)
     """(N,), change of each sample by one tolerance, of a parameter that only some of the rows have, such as those of a
     session; None for parameters of the robot."""
+    bounds: tuple[float, float] = field(default=(-inf, inf), kw_only=True)
+    """Least and greatest deviation, in tolerances."""
     rest: Array | None = field(default=None, compare=False, repr=False)
     """(N,), change of each sample that the multiple of `change` lacks at any size; None for none."""
 

@@ -185,7 +185,12 @@ class OfCase:
         self.case = case
         self._stage, self._first, self._stated, self._has_play = stage, first_trial, stated, has_play
         self.observed: tuple[Observed, ...] = tuple(
-            replace(observed, name=f"{observed.name}[{case}]", trial=observed.trial + first_trial)
+            replace(
+                observed,
+                name=f"{observed.name}[{case}]",
+                trial=observed.trial + first_trial,
+                early=observed.early and observed.early.of_robots(self._as_stated),
+            )
             for observed in stage.observed
         )
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
+from diagnosis.predictors.early_voltages import EarlyVoltages
 from diagnosis.predictors.turning_response import TurningResponse
 from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
@@ -130,6 +131,9 @@ class Observed:
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
+    early: EarlyVoltages | None = None
+    """Responses to voltages that act before they are logged; None if the quantity follows no voltage, or if the log
+    states all changes of the voltages."""
     is_state: Mask | None = None
     """(n,), samples of which only a state is known, such as that a motor stands still. Their residual is what the state
     says against the model, and no error in the unit of the quantity. None if there are none."""

@@ -1,6 +1,8 @@
 """Voltages -> mean speeds of both wheels between rows, as counted by the encoders."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from math import pi
 
 import numpy as np
@@ -14,6 +16,8 @@ from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
+from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
+from diagnosis.predictors.early_voltages import SHAPES, EarlyVoltages, independent_responses, shaped
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
@@ -63,10 +67,31 @@ class Wheels:
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
+            early: Sequence[EarlyVoltages | None] = (None, None)
+        else:
+            early = self._early_voltages(measurement, nominal)
         self.observed: tuple[Observed, ...] = tuple(
-            self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S)
-            for side, speed, set_speed in zip(SIDES, speeds, set_speeds, strict=True)
+            replace(self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S), early=each)
+            for side, speed, set_speed, each in zip(SIDES, speeds, set_speeds, early, strict=True)
         )
+
+    def _early_voltages(self, measurement: Measurement, nominal: RobotConfig) -> tuple[EarlyVoltages, ...]:
+        """Return the responses of the left and the right wheel to voltages that act before they are logged."""
+        held = [self._grid.zero_order_hold(measurement.trials, f"u_{side}_V") for side in ("right", "left")]
+        samples_V, motors = np.stack(held, axis=-1), RobotModel.from_config(nominal).motors
+        steps_V = np.diff(samples_V, axis=0)
+        early = []
+        for side, (motor, wheel) in enumerate(((motors.left, 1), (motors.right, 0))):
+            inertia = float(motor.inertia_kg_m2 + self._load.inertia_kg_m2)
+            responses = independent_responses(motor, inertia, steps_V[..., wheel], self._grid.period_s)
+            scatter = self._grid.of_rows(np.concatenate([responses, np.zeros_like(responses[:1])]))
+            early.append(EarlyVoltages(partial(self._early_changes, samples_V, side), scatter))
+        return tuple(early)
+
+    def _early_changes(self, samples_V: Array, side: int, robot: RobotConfig) -> Array:
+        """Return the changes (2, n) of the speeds of a wheel by voltages that act early."""
+        by_shape = [self._speeds_by([robot], shaped(samples_V, shape), EARLY_PARTS)[0, side] for shape in SHAPES]
+        return np.nan_to_num(np.diff(by_shape, axis=0))
 
     def _divided(self, measurement: Measurement, nominal: RobotConfig, max_rad_s: float) -> list[Array]:
         """Divide rows into as many parts as the voltages within them need, and return the speeds of the nominal robot.
@@ -153,13 +178,15 @@ class Wheels:
 
     def _speeds(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the speeds of the left and the right wheel, (M, 2, n); NaN in the last row of a trial."""
+        return self._speeds_by(robots, self._voltage_V, self._parts)
+
+    def _speeds_by(self, robots: Sequence[RobotConfig], voltage_V: Array, parts: int) -> Array:
+        """Return the same with voltages (T parts, N, 2) that are constant in each part of a row."""
         rows = sum(len(place) for place in self._grid.places)
         speeds = np.full((len(robots), len(SIDES), rows), np.nan)
         for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
-            turned = counted_turns(
-                model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load, self._parts
-            )
+            turned = counted_turns(model, voltage_V, self._grid.period_s, self._grid.begins_s, self._load, parts)
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale

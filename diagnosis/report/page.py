@@ -20,6 +20,7 @@ from diagnosis.report.sentences.compared import (
     rows_sentence,
     source_text,
 )
+from diagnosis.report.sentences.early_voltages import early_voltage_sentences
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.predictive import predictive_sentence
@@ -47,6 +48,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         plots=plots,
         source=summary_line(diagnosis.measurement),
         headline=verdict.headline(diagnosis),
+        early_voltages=early_voltage_sentences(diagnosis),
         numbers_off=off_sentences(diagnosis),
         effect_sentences=[*verdict.effect_sentences(diagnosis), *filter(None, [why_no_name(diagnosis)])],
         gain_sentences=verdict.gain_sentences(data),

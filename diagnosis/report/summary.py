@@ -14,6 +14,7 @@ from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences import discovered, file_numbers
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
+from diagnosis.report.sentences.early_voltages import early_voltage_sentences
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.quantities import meaning, with_error
@@ -52,6 +53,7 @@ def summary(data: ReportData) -> list[str]:
         *_warnings(data),
         "",
         *wrap(headline(diagnosis), WIDTH),
+        *wrap(early_voltage_sentences(diagnosis), WIDTH),
         *wrap(off_sentences(diagnosis, "+-"), WIDTH, break_on_hyphens=False),
     ]
     lines += wrap(why_no_name(diagnosis), WIDTH)

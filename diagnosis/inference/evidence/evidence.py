@@ -26,6 +26,8 @@ class EstimatedNoise:
     factor: float
     """Factor on the standard deviation of the stage."""
     correlation: float
+    early_share: float = 0.0
+    """Standard deviation of the share of a change of the voltage that acts before it is logged (`EarlyVoltages`)."""
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,11 @@ class Evidence:
         self.stages = tuple(stages)
         self.noises = noises
         """Estimated noise by quantity."""
-        self._factors = {name: noise.factor for name, noise in noises.items()}
         self.observed: tuple[Observed, ...] = tuple(observed for stage in stages for observed in stage.observed)
         self.counts = [len(observed.values) for observed in self.observed]
         """Number of samples of each observed quantity."""
         self.values = np.concatenate([observed.values for observed in self.observed])
-        self.sd = np.concatenate([observed.sd * self._factors.get(observed.name, 1.0) for observed in self.observed])
+        self.sd = np.concatenate([self._sd_of(observed, observed.sd) for observed in self.observed])
         """(N,), standard deviation of the noise by the nominal robot."""
         holdout = np.concatenate([observed.holdout for observed in self.observed])
         usable = np.concatenate([observed.usable for observed in self.observed])
@@ -147,10 +148,23 @@ class Evidence:
                     stage.observed, places, stage.predict(robots[batch]), strict=True
                 ):
                     mean[batch, place] = predicted.mean
-                    sd[batch, place] = self._factors.get(observed.name, 1.0) * predicted.sd
+                    sd[batch, place] = self._sd_of(observed, predicted.sd)
                     if predicted.by_tolerances is not None:
                         by_tolerances[batch] += predicted.by_tolerances
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd), by_tolerances)
+
+    def has_early_voltages(self, observed: Observed) -> bool:
+        """Return whether the noise of a quantity includes that of voltages which act before they are logged."""
+        noise = self.noises.get(observed.name)
+        return observed.early is not None and noise is not None and noise.early_share > 0.0
+
+    def _sd_of(self, observed: Observed, sd: Array) -> Array:
+        """Return the standard deviations (..., n) of a quantity with its estimated noise, from those of its stage."""
+        noise = self.noises.get(observed.name)
+        if noise is None:
+            return sd
+        sd = noise.factor * sd
+        return sd if observed.early is None else np.hypot(sd, noise.early_share * observed.early.scatter)
 
 
 def _nothing(_robots: int) -> None:

@@ -49,7 +49,7 @@ def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         # Residuals in sigmas of the noise that was estimated before, without the level that the fit found.
         noise = _estimated(quantity, rows, fit.z[place] * fit.noise.levels[k])
         before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
-        noises[quantity.name] = replace(noise, factor=noise.factor * before.factor)
+        noises[quantity.name] = replace(before, factor=noise.factor * before.factor, correlation=noise.correlation)
     return evidence.with_noises(noises)
 
 

@@ -82,9 +82,15 @@ class Coordinate:
         )
 
     @classmethod
-    def of_spread(cls, name: str, tolerance: float) -> "Coordinate":
-        """Return the coordinate of a nominal parameter: its deviation in standard deviations of its tolerance."""
-        return cls(name, -np.inf, np.inf, 0.0, 0.0, is_log=False, unit=tolerance)
+    def of_spread(cls, name: str, tolerance: float, bounds: tuple[float, float] = (-np.inf, np.inf)) -> "Coordinate":
+        """Return the coordinate of a nominal parameter: its deviation in standard deviations of its tolerance.
+
+        Args:
+            name: Name of the parameter.
+            tolerance: Its tolerance.
+            bounds: Least and greatest deviation, in tolerances.
+        """
+        return cls(name, *bounds, 0.0, 0.0, is_log=False, unit=tolerance)
 
     def value(self, x: Array) -> Array:
         """Return the values of the parameter for coordinates of any shape."""

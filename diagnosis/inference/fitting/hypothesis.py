@@ -113,7 +113,7 @@ class Hypothesis:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The P coordinates, nuisances first."""
-        nuisances = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
+        nuisances = (Coordinate.of_spread(n.name, n.tolerance, n.bounds) for n in self.nuisances)
         coordinates = [*nuisances, *(c for effect in self.effects for c in effect.coordinates)]
         for place, x in self.fixed:
             coordinates[place] = replace(coordinates[place], low=x, high=x)

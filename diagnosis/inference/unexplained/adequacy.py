@@ -151,7 +151,8 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     along += [
         (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows], wild_rows))
         for rank, covariate, _ in along
-        if covariate.name == ROW_TIME
+        # What a voltage did before it was logged lasts for some rows, so that a run of rows is no sign of a cause.
+        if covariate.name == ROW_TIME and not evidence.has_early_voltages(quantity)
     ]
     rows_worth = float(evidence.weight[inside].sum())
     for rank, covariate, functions in along:
