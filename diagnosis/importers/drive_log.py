@@ -11,6 +11,7 @@ from diagnosis.importers.cases.range_checks import range_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.early_response import early_response_note
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.pose_by_ticks import pose_by_ticks
@@ -57,7 +58,7 @@ def _notes(nominal: NominalDrive, measurement: Measurement) -> Sequence[str]:
     has_wrong_pose = units or any(note.startswith(CHECK) for note in checks)
     ranges = [] if has_wrong_pose else range_checks(nominal, measurement)
     numbers = number_checks(nominal.motor, checks) if nominal.motor and not has_wrong_unit else ()
-    return [*_left_out(nominal, measurement), *units, *checks, *numbers, *ranges]
+    return [*_left_out(nominal, measurement), *units, *checks, *numbers, *ranges, *early_response_note(measurement)]
 
 
 def _left_out(nominal: NominalDrive, measurement: Measurement) -> list[str]:

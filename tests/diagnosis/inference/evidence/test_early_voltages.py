@@ -32,6 +32,7 @@ HEADER = (
     "trial,split,session_time_s,t_s,v_cmd_m_s,w_cmd_rad_s,u_left_V,u_right_V,enc_left_ticks,enc_right_ticks,"
     "tof_front_m,tof_left_m,tof_right_m,x_m,y_m,theta_rad"
 )
+NOTE = "log the voltages as often as they change"
 
 
 def wheel(rng: np.random.Generator, cycle_s: float) -> Iterator[tuple[float, int]]:
@@ -78,8 +79,12 @@ def test_voltages_that_change_between_the_rows_are_no_effect_of_a_textbook_robot
     assert between_rows.unexplained is None
 
 
+def test_a_note_says_that_the_wheels_follow_voltages_before_they_are_logged(between_rows):
+    assert any(NOTE in note for note in between_rows.measurement.notes)
+
+
 def test_the_part_of_a_change_that_acts_early_is_that_of_the_controller(between_rows):
-    # Changes at the five cycles of two rows have acted for 0, 0.6, 0.2, 0.8 and 0.4 of their rows; large ones count most.
+    # The changes at five cycles in two rows have acted for 0, 0.6, 0.2, 0.8 and 0.4 of a row; large ones count most.
     early = between_rows.early_voltages
     assert early is not None
     assert 0.2 < early.mean < 0.8
@@ -87,6 +92,8 @@ def test_the_part_of_a_change_that_acts_early_is_that_of_the_controller(between_
 
 
 def test_a_controller_in_step_with_the_rows_has_no_early_voltages(tmp_path):
-    result = diagnose(log(tmp_path, ROW_S))
+    measurement = log(tmp_path, ROW_S)
+    result = diagnose(measurement)
+    assert not any(NOTE in note for note in measurement.notes)
     assert result.early_voltages is None
     assert result.names == ()

@@ -1,0 +1,65 @@
+"""Whether the wheels of a drive follow a voltage before the row that states it.
+
+The speed of a wheel follows from its last speeds and voltages (an ARX model; Ljung, System Identification, 2nd ed.,
+section 4.2). The voltage of the next row adds nothing to that if each voltage is held from its row to the next. If the
+controller is faster than the log, a part of the next change has acted already, and that voltage counts, too. A
+controller answers to errors of the speed with a voltage of the other sign, which is no such sign.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from diagnosis.measured.measurement import Measurement
+from symolo.core.arrays import Array
+
+MIN_ROWS = 60
+MIN_PART = 0.04
+"""Weight of the next voltage, as a share of those of all voltages, from which it is noted."""
+MIN_ERRORS = 3.5
+"""Weight of the next voltage in standard errors from which it is noted."""
+NEXT = 3
+"""Place of the next voltage in a row of `_equations`."""
+
+
+def early_response_note(measurement: Measurement) -> Iterator[str]:
+    """Yield a note if a wheel follows voltages before they are logged."""
+    if any(trial.held_inputs for trial in measurement.trials):
+        return
+    for side in ("left", "right"):
+        voltage, ticks = f"u_{side}_V", f"enc_{side}_ticks"
+        if not measurement.has(voltage, ticks):
+            continue
+        rows = np.concatenate([_equations(trial[voltage].values, trial[ticks].values) for trial in measurement.trials])
+        if _is_early(rows[np.isfinite(rows).all(axis=1)]):
+            yield (
+                "the wheels follow the voltages of the next row before it is logged, as with a controller that is "
+                "faster than the log: effects of the motors may stay hidden; log the voltages as often as they change"
+            )
+            return
+
+
+def _equations(voltage_V: Array, ticks: Array) -> Array:
+    """Return the rows (n, 8) of the regression, and the turn that they predict in the last column."""
+    turn = np.diff(ticks)
+    row = np.arange(2, len(turn) - 1)
+    columns = [voltage_V[row], voltage_V[row - 1], voltage_V[row - 2], voltage_V[row + 1], turn[row - 1], turn[row - 2]]
+    rows = np.stack([*columns, np.sign(turn[row - 1]), turn[row]], axis=1)
+    return rows[turn[row] != 0.0]
+
+
+def _is_early(rows: Array) -> bool:
+    """Return whether the next voltage counts in the rows of the regression."""
+    for _ in range(2):
+        if len(rows) < MIN_ROWS:
+            return False
+        columns, turn = np.hstack([rows[:, :-1], np.ones((len(rows), 1))]), rows[:, -1]
+        weights = np.linalg.lstsq(columns, turn, rcond=None)[0]
+        rest = turn - columns @ weights
+        inverse = np.linalg.pinv(columns.T @ columns)
+        # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838).
+        variance = (inverse @ (columns * rest[:, None] ** 2).T @ columns @ inverse)[NEXT, NEXT]
+        # Once more without rows that are far off.
+        rows = rows[np.abs(rest) <= 9.0 * np.median(np.abs(rest))]
+    part = weights[NEXT] / np.abs(weights[[0, 1, NEXT]]).sum()
+    return bool(part > MIN_PART and weights[NEXT] > MIN_ERRORS * np.sqrt(variance))
