@@ -132,8 +132,7 @@ class Observed:
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
     early: EarlyVoltages | None = None
-    """Responses to voltages that act before they are logged; None if the quantity follows no voltage, or if the log
-    states all changes of the voltages."""
+    """Responses to voltages that act before they are logged; None if the quantity follows no voltage."""
     is_state: Mask | None = None
     """(n,), samples of which only a state is known, such as that a motor stands still. Their residual is what the state
     says against the model, and no error in the unit of the quantity. None if there are none."""

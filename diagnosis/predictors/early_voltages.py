@@ -14,6 +14,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from physics.drivetrain.motor import MotorModel
 from symolo.core.arrays import Array
+from symolo.core.time_series import TimeSeries
 
 PARTS = 2
 """Parts of a row in which a voltage that changes gradually is taken as constant."""
@@ -56,6 +57,28 @@ def shaped(voltage_V: Array, shape: Array) -> Array:
     steps = np.diff(voltage_V, axis=0)
     parts = [voltage_V[:-1] + share * steps for share in shape.tolist()]
     return np.stack(parts, axis=1).reshape(-1, *voltage_V.shape[1:])
+
+
+def held_earlier(series: TimeSeries, shape: Array) -> TimeSeries:
+    """Return a value that is held between its changes, with changes that act before their times.
+
+    Args:
+        series: The value, at the times of its changes.
+        shape: (PARTS,), one of SHAPES, over the step of the log before a change.
+    """
+    # A little less than the step, so that a change does not begin before the one before it has ended.
+    part_s, steps = (1.0 - 1e-6) * step_s(series) / PARTS, np.diff(series.values)
+    times, values = [series.t_s[:1]], [series.values[:1]]
+    begins = [series.t_s[1:] - k * part_s for k in range(PARTS, -1, -1)]
+    shares = [*shape.tolist(), 1.0]
+    times.append(np.stack(begins, axis=1).ravel())
+    values.append(np.stack([series.values[:-1] + share * steps for share in shares], axis=1).ravel())
+    return TimeSeries(series.name, series.unit, np.concatenate(times), np.concatenate(values))
+
+
+def step_s(series: TimeSeries) -> float:
+    """Return the time between two rows of a log from the times at which a value changed in it; 0 without changes."""
+    return float(np.diff(series.t_s).min(initial=np.inf)) if len(series.t_s) > 1 else 0.0
 
 
 def independent_responses(motor: MotorModel, inertia_kg_m2: float, steps_V: Array, row_s: float) -> Array:

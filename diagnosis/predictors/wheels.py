@@ -17,7 +17,14 @@ from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
-from diagnosis.predictors.early_voltages import SHAPES, EarlyVoltages, independent_responses, shaped
+from diagnosis.predictors.early_voltages import (
+    SHAPES,
+    EarlyVoltages,
+    held_earlier,
+    independent_responses,
+    shaped,
+    step_s,
+)
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
@@ -67,9 +74,7 @@ class Wheels:
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
-            early: Sequence[EarlyVoltages | None] = (None, None)
-        else:
-            early = self._early_voltages(measurement, nominal)
+        early = self._early_voltages(measurement, nominal)
         self.observed: tuple[Observed, ...] = tuple(
             replace(self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S), early=each)
             for side, speed, set_speed, each in zip(SIDES, speeds, set_speeds, early, strict=True)
@@ -79,19 +84,35 @@ class Wheels:
         """Return the responses of the left and the right wheel to voltages that act before they are logged."""
         held = [self._grid.zero_order_hold(measurement.trials, f"u_{side}_V") for side in ("right", "left")]
         samples_V, motors = np.stack(held, axis=-1), RobotModel.from_config(nominal).motors
-        steps_V = np.diff(samples_V, axis=0)
+        if any(trial.held_inputs for trial in measurement.trials):
+            parts, steps_V = max(self._parts, EARLY_PARTS), self._steps_within_rows_V(measurement)
+            by_shape = [self._voltages_V(_earlier(measurement, shape), parts) for shape in SHAPES]
+        else:
+            parts, steps_V = EARLY_PARTS, np.diff(samples_V, axis=0)
+            by_shape = [shaped(samples_V, shape) for shape in SHAPES]
         early = []
         for side, (motor, wheel) in enumerate(((motors.left, 1), (motors.right, 0))):
             inertia = float(motor.inertia_kg_m2 + self._load.inertia_kg_m2)
             responses = independent_responses(motor, inertia, steps_V[..., wheel], self._grid.period_s)
             scatter = self._grid.of_rows(np.concatenate([responses, np.zeros_like(responses[:1])]))
-            early.append(EarlyVoltages(partial(self._early_changes, samples_V, side), scatter))
+            early.append(EarlyVoltages(partial(self._early_changes, by_shape, parts, side), scatter))
         return tuple(early)
 
-    def _early_changes(self, samples_V: Array, side: int, robot: RobotConfig) -> Array:
+    def _early_changes(self, by_shape: Sequence[Array], parts: int, side: int, robot: RobotConfig) -> Array:
         """Return the changes (2, n) of the speeds of a wheel by voltages that act early."""
-        by_shape = [self._speeds_by([robot], shaped(samples_V, shape), EARLY_PARTS)[0, side] for shape in SHAPES]
-        return np.nan_to_num(np.diff(by_shape, axis=0))
+        return np.nan_to_num(np.diff([self._speeds_by([robot], each, parts)[0, side] for each in by_shape], axis=0))
+
+    def _steps_within_rows_V(self, measurement: Measurement) -> Array:
+        """Return the changes (T, N, 2) of the voltages within rows, as far as they may act early in the row's mean."""
+        squares = np.zeros((self._grid.samples - 1, len(measurement.trials), len(SIDES)))
+        for k, trial in enumerate(measurement.trials):
+            for series in trial.held_inputs:
+                wheel = ("u_right_V", "u_left_V").index(series.name)
+                row = ((series.t_s[1:] - 0.5 * step_s(series)) / self._grid.period_s).astype(int)
+                steps_V = np.diff(series.values) * step_s(series) / self._grid.period_s
+                inside = row < len(squares)
+                np.add.at(squares[:, k, wheel], row[inside], steps_V[inside] ** 2)
+        return np.sqrt(squares)
 
     def _divided(self, measurement: Measurement, nominal: RobotConfig, max_rad_s: float) -> list[Array]:
         """Divide rows into as many parts as the voltages within them need, and return the speeds of the nominal robot.
@@ -196,6 +217,15 @@ class Wheels:
                 speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
                 speeds[np.array(group)[:, None], side, self._first] = speed
         return speeds
+
+
+def _earlier(measurement: Measurement, shape: Array) -> Measurement:
+    """Return a measurement whose voltages change earlier than logged."""
+    trials = (
+        replace(trial, held_inputs=tuple(held_earlier(series, shape) for series in trial.held_inputs))
+        for trial in measurement.trials
+    )
+    return replace(measurement, trials=tuple(trials))
 
 
 def _set_speeds(measurement: Measurement, nominal: RobotConfig) -> tuple[Array, Array]:

@@ -72,7 +72,7 @@ def early_fit(evidence: Evidence, held: HypothesisFit) -> EarlyFit | None:
         held: A fit of the hypothesis to them.
 
     Returns:
-        None if the log states all changes of its voltages, or none.
+        None if nothing follows a voltage, or if no voltage changes.
     """
     nuisances = tuple(_nuisances(evidence, held.robot))
     if not nuisances:
