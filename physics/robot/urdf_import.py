@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from physics.robot.urdf_suspicions import Ends, angle_doubt, check_size, suspicions
 from physics.robot.urdf_tree import TURNING, UrdfJoint, UrdfLink, UrdfTree
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
 
 NOMINAL_TRACK_M, NOMINAL_BASE_M, NOMINAL_LIMIT_V = 0.14, 0.05, 6.0
 """Track, height of the base and voltage of the nominal robot; what a URDF does not have is scaled from them."""
@@ -41,11 +43,18 @@ class ImportedRobot:
     assumed: list[str] = field(default_factory=list)
     """Sentences about what it does not say."""
     ignored: list[str] = field(default_factory=list)
-    """Sentences about links that the robot does not have."""
+    """Sentences about links, and other parts of the file, that the robot does not have."""
+    suspicious: list[str] = field(default_factory=list)
+    """Sentences about what is probably wrong."""
 
     def lists(self) -> Iterator[tuple[str, list[str]]]:
         """Yield each list of sentences that is not empty, with its heading."""
-        for heading, sentences in (("read", self.read), ("assumed", self.assumed), ("not used", self.ignored)):
+        for heading, sentences in (
+            ("read", self.read),
+            ("assumed", self.assumed),
+            ("not used", self.ignored),
+            ("check", self.suspicious),
+        ):
             if sentences:
                 yield heading, sentences
 
@@ -71,7 +80,11 @@ def robot_from_urdf(tree: UrdfTree, name: str, where: str, wheels: tuple[str, st
         InputError: There is no pair of wheels, or there are several.
     """
     left, right = _pair(tree, where, wheels)
-    return _Importer(tree, name, left, right).robot()
+    check_size(float(np.linalg.norm(left.center - right.center)), where)
+    robot = _Importer(tree, name, left, right).robot()
+    ends = Ends((left.joint.name, right.joint.name), (float(left.center[1]), float(right.center[1])))
+    robot.suspicious += suspicions(tree, ends, left.joint.speed_rad_s, left.radius_m)
+    return robot
 
 
 class _Importer:
@@ -230,7 +243,14 @@ class _Importer:
         self._imported.assumed.append(f"{NOMINAL_LIMIT_V:g} V motors with a dry friction of 3 % of their torque")
 
     def _ignored(self) -> None:
-        """List sensors, and links at the end of a branch that have neither mass nor shape and may stand for one."""
+        """List meshes, inertias and sensors, and links at the end of a branch that have neither mass nor shape."""
+        if meshes := self._tree.meshes:
+            names = ", ".join(meshes[:_MAX_LISTED])
+            self._imported.ignored.append(f"meshes, of which no size is read: {names}; body.mesh takes a file")
+        if self._tree.inertias:
+            self._imported.ignored.append(
+                f"moments of inertia of {plural(self._tree.inertias, 'link')}: they follow from masses and sizes"
+            )
         parents = {joint.parent for joint in self._tree.joints}
         for link in self._others():
             is_empty = link.mass_kg == 0.0 and not link.shapes
@@ -248,7 +268,7 @@ def _pair(tree: UrdfTree, where: str, names: tuple[str, str] | None) -> tuple[_W
     stated = (tree.settings.get("left_joint", ""), tree.settings.get("right_joint", ""))
     chosen = names or (stated if all(name in turning for name in stated) else None)
     if chosen is None:
-        chosen = _likely_pair(turning, where)
+        chosen = _likely_pair(tree, turning, where)
     for name in chosen:
         if name not in turning:
             allowed = ", ".join(turning) or "a joint that turns about a level axis"
@@ -260,7 +280,7 @@ def _pair(tree: UrdfTree, where: str, names: tuple[str, str] | None) -> tuple[_W
     return left, right
 
 
-def _likely_pair(turning: dict[str, UrdfJoint], where: str) -> tuple[str, str]:
+def _likely_pair(tree: UrdfTree, turning: dict[str, UrdfJoint], where: str) -> tuple[str, str]:
     """Return the joints whose names differ in left and right alone."""
     pairs = []
     for name in turning:
@@ -275,6 +295,8 @@ def _likely_pair(turning: dict[str, UrdfJoint], where: str) -> tuple[str, str]:
         if len(pairs) > 1:
             cure += "; a robot with four driven wheels cannot be simulated"
         got = f"{len(pairs)} pairs of wheels" + (f": {', '.join(left for left, _ in pairs)}" if pairs else "")
+        if doubt := angle_doubt(tree):
+            cure = f"{doubt}; {cure}"
         raise InputError("joints", where=where, got=got, allowed="one left and one right wheel", cure=cure)
     return pairs[0]
 

@@ -79,6 +79,12 @@ class UrdfTree:
     joints: tuple[UrdfJoint, ...]
     settings: dict[str, str]
     """Texts of plug-ins by their tags, the first of each, such as `wheel_separation` and `left_joint`."""
+    largest_angle_rad: float = 0.0
+    """Largest size of a roll, pitch or yaw in the file."""
+    meshes: tuple[str, ...] = ()
+    """Names of the files of meshes, each once."""
+    inertias: int = 0
+    """Number of links with moments of inertia."""
 
 
 def read_urdf(data: bytes, where: str) -> UrdfTree:
@@ -120,7 +126,13 @@ class _Reader:
             {name: _link(name, link, poses[name]) for name, link in links.items()},
             tuple(self._joint(joint, poses) for joint in joints),
             settings,
+            max((np.abs(_numbers(rpy, 3)).max() for rpy in self._attributes("origin", "rpy")), default=0.0),
+            tuple(dict.fromkeys(file.rpartition("/")[2] for file in self._attributes("mesh", "filename"))),
+            sum(link.find("inertial/inertia") is not None for link in links.values()),
         )
+
+    def _attributes(self, tag: str, name: str) -> Iterator[str]:
+        return (text for element in self._root.iter(tag) if (text := element.get(name)))
 
     def _poses(self, links: dict[str, ET.Element], joints: list[ET.Element]) -> dict[str, Array]:
         below: dict[str, list[ET.Element]] = {}

@@ -176,3 +176,48 @@ def test_the_command_writes_a_robot_that_drives(tmp_path, symolo):
     assert symolo("robot", "import", tmp_path / "burger.urdf", "--out", tmp_path / "x.yaml", "--wheels=a").code == 2
     shown = symolo("robot", "show", "micromouse")
     assert "track_m: 0.07\n" in shown.out
+
+
+def test_meshes_and_inertias_that_are_not_used_are_listed():
+    mesh = '<visual><geometry><mesh filename="package://burger/meshes/hull.stl"/></geometry></visual>'
+    inertial = '<inertial><mass value="0.8"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    part = f'<link name="part">{inertial}{mesh}</link><joint name="to_part" type="fixed"><parent link="base_link"/>'
+    robot = imported(BURGER.replace("</robot>", f'{part}<child link="part"/></joint></robot>'))
+    assert robot.ignored == [
+        "meshes, of which no size is read: hull.stl; body.mesh takes a file",
+        "moments of inertia of 1 link: they follow from masses and sizes",
+    ]
+
+
+def test_a_right_file_gives_no_suspicion():
+    assert imported(BURGER).suspicious == []
+    assert imported(BURGER, wheels=("wheel_left_joint", "wheel_right_joint")).suspicious == []
+
+
+def test_wheels_in_another_order_than_their_names_and_places_are_suspicious():
+    (text,) = imported(BURGER, wheels=("wheel_right_joint", "wheel_left_joint")).suspicious
+    assert text.startswith("wheel_right_joint is taken for the left wheel, but its name says right;")
+    unnamed = BURGER.replace("wheel_left_joint", "port").replace("wheel_right_joint", "starboard")
+    (text,) = imported(unnamed, wheels=("starboard", "port")).suspicious
+    assert text.startswith("starboard is taken for the left wheel, but it lies on the right in the file, at y -0.08 m;")
+
+
+def test_lengths_in_millimetres_are_named():
+    text = re.sub(r'xyz="([^"]*)"', lambda m: f'xyz="{" ".join(f"{1000 * float(v):g}" for v in m[1].split())}"', BURGER)
+    with pytest.raises(InputError, match=r"distance of the wheels: got '160 m'.*in millimetres, divide them by 1000"):
+        imported(text.replace('1000"/>', '1"/>'))
+
+
+def test_angles_in_degrees_and_speeds_in_rpm_are_named():
+    camera = '<joint name="c" type="fixed"><parent link="base_link"/><child link="eye"/><origin rpy="0 23 0"/></joint>'
+    text = BURGER.replace("</robot>", f'<link name="eye"/>{camera}</robot>')
+    assert imported(text).suspicious == [
+        "rpy has angles up to 23, and a URDF has radians: if they are degrees, 23 is 0.4014"
+    ]
+    limited = BURGER.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><limit effort="0.5" velocity="171"/>')
+    assert imported(limited).suspicious == [
+        "velocity 171 of the wheels gives 5.64 m/s, and a URDF has rad/s: if it is in rpm, 171 is 17.91"
+    ]
+    degrees = BURGER.replace("-1.5707963", "-90")
+    with pytest.raises(InputError, match=r"0 pairs of wheels.*rpy has angles up to 90.*90 is 1\.5708"):
+        imported(degrees)
