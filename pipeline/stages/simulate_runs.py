@@ -140,6 +140,8 @@ def simulate_runs(
     if units:
         with report.stage("simulate", len(units), "runs") as stage:
             failures = failed_runs("simulate", executor.do(units, partial(report_event, stage)), report)
+            begun = {unit.name for unit in units} - {failure.run for failure in failures}
+            stage.fail(len(failures) + len(problems_of(workspace, [spec for spec in specs if spec.key in begun])))
     stopped = {failure.run for failure in failures} | others
     for spec in specs:
         if spec.key not in stopped:

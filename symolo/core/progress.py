@@ -23,6 +23,10 @@ class StageReport(Protocol):
         """Report a line that stays on the screen."""
         ...
 
+    def fail(self, number: int) -> None:
+        """Report, before the end of the stage, how many of its parts ended with a problem."""
+        ...
+
 
 class Report(Protocol):
     """Receiver of the reports of a command's stages."""
@@ -57,7 +61,8 @@ class LineReport:
         unit = _counted(unit, total)
         stage = _Lines(self, name, total, unit, _Clock(total, is_even=is_even))
         yield stage
-        self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(stage.clock.passed_s)}")
+        failed = f"; {stage.failed} failed" if stage.failed else ""
+        self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(stage.clock.passed_s)}{failed}")
 
 
 class _Clock:
@@ -108,6 +113,7 @@ class _Lines:
     def __init__(self, report: LineReport, name: str, total: float, unit: str, clock: _Clock) -> None:
         self._report, self._name, self._total, self._unit, self.clock = report, name, total, unit, clock
         self._last, self._text = time.monotonic(), ""
+        self.failed = 0
 
     @property
     def done(self) -> float:
@@ -115,6 +121,9 @@ class _Lines:
 
     def say(self, text: str) -> None:
         self._report.say(f"{self._name}: {text}")
+
+    def fail(self, number: int) -> None:
+        self.failed = number
 
     def update(self, name: str, done: float) -> None:
         self.clock.update(name, done)
@@ -157,14 +166,14 @@ class BarReport:
         with Progress(*columns, console=self._console) as progress:
             task = progress.add_task(name, total=total, left="")
 
-            def show(clock: _Clock) -> None:
-                progress.update(task, completed=clock.done, left=clock.left)
+            def show(clock: _Clock, failed: int) -> None:
+                progress.update(task, completed=clock.done, left=f"{failed} failed" if failed else clock.left)
 
             yield _Bar(_Clock(total, is_even=is_even), show, self.say)
 
 
 class _Bar:
-    def __init__(self, clock: _Clock, show: Callable[[_Clock], None], say: Callable[[str], None]) -> None:
+    def __init__(self, clock: _Clock, show: Callable[[_Clock, int], None], say: Callable[[str], None]) -> None:
         self._clock, self._show, self._say = clock, show, say
 
     def say(self, text: str) -> None:
@@ -172,7 +181,10 @@ class _Bar:
 
     def update(self, name: str, done: float) -> None:
         self._clock.update(name, done)
-        self._show(self._clock)
+        self._show(self._clock, 0)
+
+    def fail(self, number: int) -> None:
+        self._show(self._clock, number)
 
 
 def _counted(unit: str, total: float) -> str:

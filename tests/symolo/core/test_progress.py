@@ -23,6 +23,13 @@ def test_no_line_says_that_no_time_is_left_once_all_is_done(capsys, monkeypatch)
     assert end.startswith("render: 1 of 1 run in ")
 
 
+def test_the_last_line_counts_what_failed(capsys):
+    with LineReport().stage("simulate", 2, "runs") as stage:
+        stage.update("a", 2)
+        stage.fail(1)
+    assert re.fullmatch(r"simulate: 2 of 2 runs in \d\.\d s; 1 failed\n", capsys.readouterr().err)
+
+
 @pytest.mark.parametrize(
     ("since_s", "share", "text"),
     [(3.0, 0.25, "9.0 s"), (60.0, 0.5, "1 min 00 s"), (5.0, 1.0, ""), (0.1, 0.01, "")],
