@@ -81,8 +81,8 @@ class PoseByTicks:
             )
         elif self.is_forward_clear and self.forward_share < MIN_SHARE:
             yield (
-                "x_m and y_m do not move where theta_rad points: its zero must be along +x, and it must count from x "
-                "to y"
+                "x_m and y_m do not move where theta_rad points: its zero must be along +x, which an offset "
+                "in the mapping corrects, and it must count from x to y"
             )
         elif self.is_forward_clear and self.m_per_tick < 0.0:
             yield "the pose moves backwards while the ticks grow: give both columns of ticks factor: -1"
