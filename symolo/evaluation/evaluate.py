@@ -68,5 +68,5 @@ def evaluate_against(
     check_units(given, truth)
     movement = alignment(Align(align), given, truth)
     estimate = movement.applied(given)
-    warnings = tuple(suspicions(given, truth)) if align == Align.NONE else ()
+    warnings = tuple(suspicions(given, t_s, truth)) if align == Align.NONE else ()
     return Evaluation(estimate, errors_of(estimate, t_s, truth), movement, warnings)

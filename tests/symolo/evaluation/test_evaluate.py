@@ -131,11 +131,38 @@ def test_other_units_are_refused(t_s, truth, at_rows, change, message):
             lambda pose, _: pose + np.array([0, 0, np.pi / 2]),
             "differ from the true ones by a constant 90 deg",
         ),
+        (lambda pose, _: pose + np.array([0, 0, np.pi]), "differ from the true ones by a constant 180 deg"),
+        (lambda pose, _: pose - np.array([0, 0, np.pi / 2]), "differ from the true ones by a constant -90 deg"),
+        (lambda pose, _: pose * [1, 1, -1], "with the other sign: they may be counted clockwise"),
+        (lambda pose, _: pose * [1, 1, -1] + [0, 0, np.pi / 2], "as 90 deg less the heading: they may be counted"),
+        (
+            lambda pose, _: pose + 0.05 * np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2]), 0 * pose[:, 2]]),
+            "ATE would be 0.000 m in place of 0.050 m for a point of the robot 0.050 m ahead of the middle of its axle",
+        ),
+        (
+            lambda pose, _: pose + 0.2 * np.column_stack([np.sin(pose[:, 2]), -np.cos(pose[:, 2]), 0 * pose[:, 2]]),
+            "for a point of the robot 0.200 m to the right of the middle of its axle",
+        ),
     ],
 )
-def test_another_frame_or_axis_is_a_warning(t_s, truth, at_rows, moved, change, message):
+def test_another_frame_axis_or_point_is_a_warning(t_s, truth, at_rows, moved, change, message):
     (warning,) = evaluate_against(t_s, truth, at_rows(change(truth, moved))).warnings
     assert message in warning
+
+
+@pytest.mark.parametrize("late_s", [-1.0, -0.25, 0.5, 2.0, 5.0])
+def test_times_that_are_late_or_early_are_a_warning_with_the_shift(t_s, truth, late_s):
+    rng = np.random.Generator(np.random.PCG64(6))
+    late = EstimatedTrajectory(t_s + late_s, truth + [0.002, 0.002, 0.01] * rng.standard_normal(truth.shape))
+    (warning,) = evaluate_against(t_s, truth, late).warnings
+    change = f"subtracting {late_s:.2f} s from" if late_s > 0 else f"adding {-late_s:.2f} s to"
+    assert f"after {change} the times: they may count from another moment" in warning
+
+
+def test_a_straight_drive_with_a_shift_gets_one_explanation(t_s, at_rows):
+    """Along a straight line at constant speed, a shift, a point ahead and late times are the same."""
+    straight = np.column_stack([0.1 * t_s, 0 * t_s, 0 * t_s])
+    assert len(evaluate_against(t_s, straight, at_rows(straight + np.array([0.3, 0.0, 0.0]))).warnings) == 1
 
 
 def test_noise_and_drift_are_no_suspicion(t_s, truth, at_rows):
