@@ -37,7 +37,7 @@ def check_place(
     workspace, specs = Workspace(out.absolute(), Kind.IMPORTED), [run.spec for run in dataset.runs]
     check_losses(workspace, dataset.tree, specs, report, replace=replace, dry_run=dry_run)
     tables = sum(len(run.rows.to_csv()) + sum(map(len, run.side.values())) for run in dataset.runs)
-    check_disk(out, _COPIES * tables + _BYTES_PER_RUN * len(dataset.runs))
+    check_disk(out, _COPIES * tables + _BYTES_PER_RUN * len(dataset.runs), "import fewer logs")
 
 
 def write_dataset(dataset: ImportedDataset, out: Path, report: Report, *, replace: bool = False) -> None:

@@ -26,6 +26,7 @@ from pipeline.run_folder.losses import check_losses, protected_runs
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_image_copies import copy_user_images
 from pipeline.run_folder.workspace import Workspace
+from pipeline.run_warnings.camera_inside import inside_warnings
 from pipeline.run_warnings.imported_trajectory import Where
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of, logged_cameras
@@ -181,6 +182,8 @@ def make_release(
         copy_user_images((spec.look for spec in specs), rerendering.assets, workspace.user_files)
         for run in rerendering.runs:
             write_external_run(run, workspace.simulate(run.spec.key))
+            for text in inside_warnings(run.spec, run.rows):
+                report.say(f"warning: {run.spec.key}: {text}")
         failures = render_specs(workspace, specs, executor, rerendering.device, failures=[], report=report)
         tree, sensors = rerendering.tree, rerendering.sensors
         assemble(workspace, tree, specs, failures, report, sensors=sensors, protected=protected)
@@ -226,7 +229,10 @@ def _scene(run: ExternalRun, request: RerenderRequest, name: str) -> ExternalRun
         text = f"the readings are those of the arena {spec.arena.name}, and the images show {arena.name}"
         outcome = outcome.model_copy(update={"suspicions": (*outcome.suspicions, text)})
     changes = {"scenario": name, "arena": arena, "robot": robot, "render": render, "drawn": drawn}
-    return replace(run, spec=run.spec.model_copy(update=changes), outcome=outcome)
+    spec = run.spec.model_copy(update=changes)
+    inside = inside_warnings(spec, run.rows)
+    outcome = outcome.model_copy(update={"suspicions": (*outcome.suspicions, *inside)}) if inside else outcome
+    return replace(run, spec=spec, outcome=outcome)
 
 
 def _without_logged_cameras(run: ExternalRun) -> ExternalRun:

@@ -34,8 +34,9 @@ from symolo.exporters.export import open_release
 
 _OF_IMAGES = re.compile(
     r"(camera [^:]+: )?(\d+ of \d+ images are |the images have larger errors )|its frames were made on "
+    r"|at [\d.]+ s the (camera|robot drives)"
 )
-"""Beginnings of warnings about the exposure and the rendering of images."""
+"""Beginnings of warnings about the exposure and the rendering of images, and about what their camera is inside of."""
 _CURE = "make the run again, or import its data.csv with --arena and --robot"
 
 

@@ -4,8 +4,9 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import ClassVar
 
 from blender_scenes.annotations.job import AnnotationJob
@@ -21,6 +22,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
+from pipeline.run_warnings.camera_inside import things_around
 from pipeline.stages.cameras import RunCamera
 from pipeline.stages.rendering_facts import FRAMES, rendering_facts
 from pipeline.stages.simulate_runs import failed_runs
@@ -45,6 +47,7 @@ from symolo.dataset.tables.camera_rows import path_of
 from symolo.dataset.tables.rows import Rows
 
 INPUTS = "inputs.json"
+NOTHING: Mapping[int, str] = MappingProxyType({})
 
 OnComplete = Callable[[str], None]
 
@@ -112,6 +115,8 @@ class FrameTask(ABC):
     """Folder of the user's own files by their SHA-256; None where none is shown."""
     camera: str = ""
     """Name of the further camera whose images these are; empty for the camera of data.csv."""
+    inside: Mapping[int, str] = field(default_factory=dict)
+    """Wall or obstacle by the number of each image that is taken from inside it."""
 
     @classmethod
     def frame_job(
@@ -123,10 +128,11 @@ class FrameTask(ABC):
         user_files: Path | None = None,
         *,
         camera: str = "",
+        inside: Mapping[int, str] = NOTHING,
     ) -> "FrameJob":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return FrameJob(cls(run, folder, digest, frames, job.sampling, user_files, camera), text)
+        return FrameJob(cls(run, folder, digest, frames, job.sampling, user_files, camera, inside), text)
 
     @property
     def name(self) -> str:
@@ -192,7 +198,8 @@ class RenderTask(FrameTask):
         frames = frame_poses(camera.rows(rows))
         appearance = Appearance.of(camera.spec, device, camera.name)
         job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
-        return cls.frame_job(camera.spec.key, folder, job, frames, user_files, camera=camera.name)
+        inside = things_around(camera, rows)
+        return cls.frame_job(camera.spec.key, folder, job, frames, user_files, camera=camera.name, inside=inside)
 
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
@@ -203,7 +210,8 @@ class RenderTask(FrameTask):
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         extremes = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in self.names()}
-        if problem := all_black(list(extremes.values())):
+        inside = {frame_name(number): thing for number, thing in self.inside.items()}
+        if problem := all_black(extremes, inside):
             return ImageFindings(problem=problem)
         records = [
             {
@@ -220,7 +228,7 @@ class RenderTask(FrameTask):
             for frame, name in zip(self.frames, self.names(), strict=True)
         ]
         rendering, error_warnings = rendering_facts(self.sampling, self.files, self.job_sha256)
-        warnings = (*exposure_warnings(extremes), *error_warnings)
+        warnings = (*exposure_warnings(extremes, inside), *error_warnings)
         cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
         cpu = cpus[0] if len(cpus) == 1 else list(cpus)
         document = {

@@ -1,7 +1,8 @@
 """Shares of black and overexposed (burnt) pixels of images, and the warnings if these shares are too large."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM, MAX_BLACK, MAX_BURNT
 
 ALL = 0.99
+NOWHERE: Mapping[str, str] = MappingProxyType({})
 
 _CURES = {
     "black": "raise look.camera.compensation_ev or brightness, bring look.camera.exposure_adaption nearer to 1, or give"
@@ -38,29 +40,43 @@ class Extremes:
         return cls(float(np.mean(grey <= BLACK_UP_TO)), float(np.mean(grey >= BURNT_FROM)))
 
 
-def exposure_warnings(images: Mapping[str, Extremes]) -> tuple[str, ...]:
+def exposure_warnings(images: Mapping[str, Extremes], inside: Mapping[str, str] = NOWHERE) -> tuple[str, ...]:
     """Return a line about the black images of a run and one about the overexposed ones, if there are any.
 
     Args:
         images: The shares of each image, by file name.
+        inside: Wall or obstacle that the camera is inside of, by the names of the images that are taken there.
     """
     black = {name: shares.black for name, shares in images.items()}
     burnt = {name: shares.burnt for name, shares in images.items()}
-    return (*_warning("black", black, MAX_BLACK), *_warning("burnt", burnt, MAX_BURNT))
+    lit = {name: 0.0 if name in inside else share for name, share in black.items()}
+    hidden = {name: share for name, share in black.items() if name in inside}
+    return (
+        *_warning("black", hidden, MAX_BLACK, len(images), _inside(inside)),
+        *_warning("black", lit, MAX_BLACK, len(images), _CURES["black"]),
+        *_warning("burnt", burnt, MAX_BURNT, len(images), _CURES["burnt"]),
+    )
 
 
-def _warning(what: str, shares: Mapping[str, float], max_share: float) -> Iterator[str]:
-    worst = max(shares, key=lambda name: shares[name])
+def _warning(what: str, shares: Mapping[str, float], max_share: float, number: int, cure: str) -> Iterator[str]:
     beyond = sum(share > max_share for share in shares.values())
     if beyond:
+        worst = max(shares, key=lambda name: shares[name])
         yield (
-            f"{beyond} of {len(shares)} images are {what} in more than {max_share:.0%} of their pixels,"
-            f" the worst, {worst}, in {shares[worst]:.0%}: {_CURES[what]}"
+            f"{beyond} of {number} images are {what} in more than {max_share:.0%} of their pixels,"
+            f" the worst, {worst}, in {shares[worst]:.0%}: {cure}"
         )
 
 
-def all_black(images: Sequence[Extremes]) -> str:
-    """Return a message if all images of a run are black; empty if something is visible in one of them."""
-    if any(shares.black < ALL for shares in images):
+def _inside(inside: Mapping[str, str]) -> str:
+    return f"the camera is inside {', '.join(dict.fromkeys(inside.values()))} there"
+
+
+def all_black(images: Mapping[str, Extremes], inside: Mapping[str, str] = NOWHERE) -> str:
+    """Return a message if all images of a run are black; empty if something is visible in one of them.
+
+    The arguments are those of `exposure_warnings`.
+    """
+    if any(shares.black < ALL for shares in images.values()):
         return ""
-    return f"all {len(images)} images are black: {_CURES['black']}"
+    return f"all {len(images)} images are black: {_inside(inside) if set(images) <= set(inside) else _CURES['black']}"

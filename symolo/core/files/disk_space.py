@@ -31,5 +31,10 @@ def check_scratch(needed_bytes: int, cure: str) -> None:
 def _check_room(folder: Path, lacking_bytes: int, where: str, needed_bytes: int, cure: str) -> None:
     free = shutil.disk_usage(folder).free
     if free < lacking_bytes:
-        needed = f"about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free"
+        needed = f"about {_size(needed_bytes)} are needed and {_size(free)} are free"
         raise EnvironmentLacking(f"{where}: {needed}; free some space, {cure}")
+
+
+def _size(number_bytes: int) -> str:
+    """Return a size in whole MB, or in kB below one MB."""
+    return f"{number_bytes / 1e6:.0f} MB" if number_bytes >= 1e6 else f"{number_bytes / 1e3:.0f} kB"

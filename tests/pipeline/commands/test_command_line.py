@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -251,8 +252,16 @@ def test_a_full_disk_is_noticed_before_the_work_starts(here, symolo, monkeypatch
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
     ended = symolo("release", "symolo", "--out", "OUT")
     assert (ended.code, ended.err.count("\n")) == (5, 1)
-    assert "are needed and 0 MB are free" in ended.err
+    assert "are needed and 1 kB are free" in ended.err
     assert not (here / "OUT").exists()
+
+
+def test_an_import_without_room_names_sizes_below_a_megabyte_and_no_setting_of_images(here, symolo, monkeypatch):
+    usage = shutil.disk_usage(here)._replace(free=2400)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
+    ended = symolo("import", "HERE/data.csv", "--out", "OUT")
+    assert ended.code == 5
+    assert re.search(r"about \d+ kB are needed and 2 kB are free; .*, or import fewer logs$", ended.err.strip())
 
 
 @pytest.mark.parametrize(

@@ -31,8 +31,20 @@ def test_a_warning_says_how_many_which_how_much_and_what_to_change():
 
 
 def test_only_a_run_of_nothing_but_black_images_is_reported():
-    assert all_black([Extremes(1.0, 0.0), Extremes(0.9, 0.0)]) == ""
-    assert "all 2 images are black" in all_black([Extremes(1.0, 0.0), Extremes(0.995, 0.0)])
+    assert all_black({"1": Extremes(1.0, 0.0), "2": Extremes(0.9, 0.0)}) == ""
+    message = all_black({"1": Extremes(1.0, 0.0), "2": Extremes(0.995, 0.0)}, {"1": "wall A"})
+    assert message.startswith("all 2 images are black: raise look.camera.compensation_ev")
+
+
+def test_black_images_from_inside_a_thing_are_not_explained_by_the_light():
+    images = {"1": WELL, "2": Extremes(1.0, 0.0), "3": Extremes(0.5, 0.0)}
+    inside, dark = exposure_warnings(images, {"2": "obstacle Box"})
+    assert inside.startswith("1 of 3 images are black")
+    assert inside.endswith("in 100%: the camera is inside obstacle Box there")
+    assert dark.startswith("1 of 3 images are black in more than 25% of their pixels, the worst, 3, in 50%: raise look")
+    black = {name: Extremes(1.0, 0.0) for name in ("1", "2")}
+    message = all_black(black, {"1": "wall A", "2": "obstacle Box"})
+    assert message == "all 2 images are black: the camera is inside wall A, obstacle Box there"
 
 
 def test_a_file_that_is_no_image_is_an_error():

@@ -1,0 +1,75 @@
+"""Images from inside walls and obstacles of an arena that does not fit the path."""
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_all
+from configs.loader import load_scenario
+from pipeline.run_warnings.camera_inside import inside_warnings, things_around
+from pipeline.stages.cameras import cameras_of
+from symolo.dataset.tables.rows import Rows
+
+ROUTE = "routes=[{name: CW, start: {x_m: 0, y_m: 0, yaw_deg: 0}}]"
+ON_AXLE = ("robot.camera.x_m=0", "robot.camera.height_above_base_m=0.05")
+"""The camera is above the middle of the axle, 0.1 m above the floor."""
+BOX = "{name: Box, center: [0.5, 0], size: [0.2, 0.2, 0.3], yaw_deg: 45}"
+
+
+def spec_of(*settings):
+    arena = ("arena.walls=[]", "arena.obstacles=[]", "arena.line.pieces=[]")
+    (spec,) = draw_all(load_scenario("smoke", [ROUTE, *ON_AXLE, *arena, *settings]))
+    return spec
+
+
+@pytest.fixture
+def rows():
+    """A drive of 1 m along x in 10 s, with an image in each second."""
+    t_ms = np.arange(0, 10_001, 100)
+    zero = 0.0 * t_ms
+    image = np.where(t_ms % 1000 == 0, t_ms // 1000 + 1, 0)
+    nothing = np.zeros((len(t_ms), 8))
+    pose = np.stack([1e-4 * t_ms, zero, zero], axis=1)
+    return Rows(t_ms, pose, 0 * t_ms, nothing[:, :2], nothing[:, :3], nothing, image)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        # The diagonal of the box along x is 0.283 m: from 0.359 m to 0.641 m, with three images.
+        ([f"arena.obstacles=[{BOX}]"], "at 4.0 s the camera is inside obstacle Box, as in 3 of 11 images: move"),
+        (
+            ["arena.walls=[{name: A, start: [0.32, -1], end: [0.32, 1], thickness_m: 0.05}]"],
+            "at 3.2 s the robot drives through wall A, at x = 0.32, y = 0.00 m",
+        ),
+        (
+            ["arena.obstacles=[{name: Sill, center: [0.5, 0], size: [0.2, 0.2, 0.08]}]"],
+            "at 4.0 s the robot drives through obstacle Sill, at x = 0.40, y = 0.00 m",
+        ),
+    ],
+)
+def test_a_path_through_a_thing_is_a_warning(rows, settings, message):
+    (warning,) = inside_warnings(spec_of(*settings), rows)
+    assert warning.startswith(message)
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "arena.obstacles=[{name: Beside, center: [0.5, 0.15], size: [0.2, 0.2, 0.3]}]",
+        "arena.obstacles=[{name: Mat, center: [0.5, 0], size: [0.2, 0.2, 0.08], solid: false}]",
+        "arena.walls=[{name: A, start: [1.1, -1], end: [1.1, 1]}]",
+    ],
+)
+def test_a_path_beside_things_gets_no_warning(rows, setting):
+    assert inside_warnings(spec_of(setting), rows) == ()
+
+
+def test_a_moving_obstacle_is_where_it_is_at_the_time_of_the_image(rows):
+    """It moves with the camera, which is 0.05 m ahead of its rear side."""
+    path = "motion: {waypoints: [{t_s: 10, offset: [1, 0]}]}"
+    spec = spec_of(f"arena.obstacles=[{{name: Cart, center: [0.05, 0], size: [0.2, 0.2, 0.3], solid: false, {path}}}]")
+    assert inside_warnings(spec, rows)[0].startswith(
+        "at 0.0 s the camera is inside obstacle Cart, as in 11 of 11 images"
+    )
+    (camera,) = cameras_of(spec)
+    assert things_around(camera, rows) == dict.fromkeys(range(1, 12), "obstacle Cart")
