@@ -44,9 +44,12 @@ def check_finished(root: Path) -> None:
     Raises:
         InputError: Both lists of checksums are missing in a folder of the stages.
     """
-    if kind_of(root) in DATASETS and not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST)):
+    kind = kind_of(root)
+    if kind is not None and kind in DATASETS and not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST)):
+        several = "the command that makes it, such as `symolo release`,"
+        command = several if kind == Kind.DATASET else f"`symolo {MADE_BY[kind]}`"
         cure = (
-            "repeat the command that makes it, such as `symolo release`, with the same options; "
+            f"repeat {command} with the same options; "
             f"`symolo status {root}` shows what is missing, and why a run failed"
         )
         raise InputError("the release is not finished", where=str(root), cure=cure)

@@ -14,6 +14,7 @@ from blender_scenes.render.frame_files import Ledger
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, first_changes
+from pipeline.run_folder.output import MADE_BY
 from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
@@ -94,6 +95,8 @@ class ImageCost:
 class FolderStatus:
     """The status of an output folder."""
 
+    command: str
+    """Command that makes such a folder, without `symolo`."""
     worker: Worker
     runs: tuple[RunStatus, ...]
     mixed: Mapping[str, str]
@@ -118,7 +121,8 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     """
     check_folder(out, "name the folder that --out named")
     check_is_whole(out, "symolo status")
-    if (kind := kind_of(out)) not in DATASETS:
+    kind = kind_of(out)
+    if kind is None or kind not in DATASETS:
         what = f"contains the output of a command for {kind}" if kind else "is not an output folder of a release"
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
     check_tree(out, STAGES)
@@ -127,6 +131,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     runs = tuple(run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items())
     names = [run.run for run in runs]
     return FolderStatus(
+        command=MADE_BY[kind],
         worker=worker,
         runs=runs,
         mixed=_mixed(workspace, names),

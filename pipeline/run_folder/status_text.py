@@ -25,12 +25,12 @@ def reasons_of(runs: Sequence[RunStatus]) -> dict[str, tuple[str, ...]]:
     return names
 
 
-def next_release(runs: Sequence[RunStatus], losses: Losses | None) -> Iterator[str]:
-    """Yield lines with what the next release would take away, if a scenario is known, and what it would do."""
+def next_release(runs: Sequence[RunStatus], losses: Losses | None, command: str = "release") -> Iterator[str]:
+    """Yield lines with what the next command would take away, if a scenario is known, and what it would do."""
     if losses is not None and losses.text:
-        yield f"would be lost by the next release: {losses.text}"
+        yield f"would be lost by the next {command}: {losses.text}"
     for reason, names in reasons_of(runs).items():
-        yield f"would be done by the next release, {named_runs(names)}: {reason}"
+        yield f"would be done by the next {command}, {named_runs(names)}: {reason}"
 
 
 def dry_run(runs: Sequence[RunStatus], losses: Losses) -> Iterator[str]:
@@ -60,7 +60,7 @@ def status_lines(status: FolderStatus, losses: Losses | None, *, check: bool) ->
     for run in runs:
         if not run.done or check or len(runs) <= MAX_DONE_RUNS:
             yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
-    yield from next_release(runs, losses)
+    yield from next_release(runs, losses, status.command)
     for run, warning in status.mixed.items():
         yield f"{run}: {warning}"
     yield _release(status.release)

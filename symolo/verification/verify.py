@@ -5,12 +5,14 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from symolo.core.errors import InputError
 from symolo.core.files.paths import check_folder, folders_of
 from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.folder_kind import NAME_DATASET, check_is_whole
-from symolo.dataset.layout import DESCRIPTION
+from symolo.dataset.layout import DATA, DESCRIPTION, STAGES
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.signing.minisign import PublicKey
@@ -36,11 +38,14 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
         key: Who must have signed it; None asks for no signature.
 
     Raises:
-        InputError: There is no such folder.
+        InputError: There is no such folder, or it is no dataset.
         EnvironmentLacking: A signature is to be checked, and the extra `sign` is not installed.
     """
     check_folder(root, NAME_DATASET)
     check_is_whole(root, "symolo verify")
+    if not _is_dataset(root):
+        what = f"is no dataset: there is no {METADATA}, no {MANIFEST} and no run in it"
+        raise InputError(what, where=str(root), cure=NAME_DATASET)
     if (root / DECLARATION).is_file():
         payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)
         findings = [Finding(f"{PAYLOAD}/{finding.file}", finding.what) for finding in payload]
@@ -49,6 +54,12 @@ def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None =
         yield from (finding for finding in bag_findings(root) if finding.file not in reported)
     else:
         yield from _dataset_findings(root, check_spec, key)
+
+
+def _is_dataset(root: Path) -> bool:
+    """Return whether anything in a folder shows that it is a dataset or a bag, however damaged."""
+    names = (METADATA, MANIFEST, TAG_MANIFEST, DECLARATION, STAGES)
+    return any((root / name).exists() for name in names) or any(root.glob(f"*/test_*/{DATA}"))
 
 
 def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) -> Iterator[Finding]:

@@ -113,6 +113,15 @@ def test_a_release_that_was_interrupted_is_named_so(out, symolo, command):
     )
 
 
+def test_an_interrupted_rerender_names_its_own_command(out, symolo):
+    for name in LISTS:
+        (out / name).unlink()
+    (out / ".stages/kind").write_text("rerendered\n")
+    (out / ".stages/render/CW/test_1/done.json").unlink()
+    assert "; repeat `symolo rerender` with the same options; " in symolo("verify", out).err
+    assert "would be done by the next rerender, 1 run (CW/test_1): render: " in symolo("status", out).out
+
+
 @pytest.mark.parametrize("name", LISTS)
 def test_a_finished_release_that_has_lost_a_list_is_protected_too(out, symolo, tiny, name):
     (out / name).unlink()

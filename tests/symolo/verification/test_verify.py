@@ -486,3 +486,10 @@ def test_where_the_system_ends_the_decoder_nothing_is_called_a_fault(ended_by, s
     assert ended.out == ""
     assert ended.err.count("\n") == 1
     assert "there is not enough memory: images are decoded in a child process" in ended.err
+
+
+def test_a_folder_that_is_no_dataset_is_named_so(tmp_path, symolo):
+    (tmp_path / "notes.txt").write_text("nothing of symolo\n")
+    ended = symolo("verify", tmp_path)
+    assert (ended.code, ended.out) == (2, "")
+    assert "is no dataset: there is no metadata.json, no manifest-sha256.txt and no run in it" in ended.err
