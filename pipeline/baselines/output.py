@@ -40,9 +40,10 @@ _COLUMNS = (
 _ABOUT = """\
 Estimates are compared with the true poses; the included methods are not aligned, because they know the start. ATE is
 the root mean square over all poses of a run, RPE that of the error of a movement over one second or one metre of the
-path. NEES is divided by its degrees of freedom: 1 where the stated covariance is consistent, more where the method is
-overconfident. "in 95%" is the share of poses whose truth lies in the method's own 95 % region. Coverage is the share
-of the seconds of a run in which there is an estimate.
+path. RPE is "-" where no two poses are so far apart: one second to half a millisecond, which no two estimates every 150
+ms are, or one metre to a tenth of it. NEES is divided by its degrees of freedom: 1 where the stated covariance is
+consistent, more where the method is overconfident. "in 95%" is the share of poses whose truth lies in the method's own
+95 % region. Coverage is the share of the seconds of a run in which there is an estimate.
 """
 
 

@@ -23,7 +23,7 @@ _MIN_SHIFT_M, _MIN_TURN_RAD = 0.1, np.radians(5)
 _MIN_WRONG_RAD = np.radians(20)
 """Smallest deviation of headings for which another unit or axis is suspected."""
 _ALIKE_M = 1e-3
-"""Difference of two ATE up to which another frame is the likelier cause, as in a straight drive."""
+"""Difference of two ATE up to which they do not show which of two changes is the likelier one."""
 _MIN_POINT_M, _MIN_SHIFT_S = 0.02, 0.1
 """Smallest distance of another point from the middle of the axle, and smallest shift of times, that are reported."""
 _MAX_SHIFT, _LIKELY_WITHIN = 0.3, 0.65
@@ -77,6 +77,8 @@ def suspicions(estimate: Estimate, t_s: Array, truth: Array) -> Iterator[str]:
     else:
         frame = _frame(pose, true, movement, aligned)
         other = min(_clock(estimate, t_s, truth), _point(pose, true))
+        if _spread(pose - true) <= other[0] + _ALIKE_M:
+            other = (np.inf, "")  # one shift in W explains as much, as in a straight drive
         left, change = frame if frame[0] <= other[0] + _ALIKE_M else other
         if left < MUCH_BETTER * error:
             yield f"ATE would be {left:.3f} m in place of {error:.3f} m {change}"

@@ -45,6 +45,7 @@ def test_own_estimates_are_rows_of_the_same_table(symolo, dataset, mine, tmp_pat
         assert f"| {run} | odometry | " in ended.out
     assert "The estimates of mine are compared with the row of data.csv nearest in time, at most 10 ms" in ended.out
     assert "They are not aligned." in ended.out
+    assert "one second to half a millisecond, which no two estimates every 150 ms are" in " ".join(ended.out.split())
     numbers = json.loads((out / "baselines.json").read_text())
     assert numbers["runs"]["CW/test_1"]["mine"]["ate_m"] == pytest.approx(0.03, abs=1e-6)
     assert numbers["runs"]["CW/test_1"]["mine"]["nees"] is None
