@@ -18,6 +18,8 @@ MIN_PART = 0.04
 """Weight of the next voltage, as a share of those of all voltages, from which it is noted."""
 MIN_ERRORS = 3.5
 """Weight of the next voltage in standard errors from which it is noted."""
+OUTLIERS = 9.0
+"""Multiple of the median size of the residuals beyond which a row is left out."""
 NEXT = 3
 """Place of the next voltage in a row of `_equations`."""
 
@@ -50,16 +52,26 @@ def _equations(voltage_V: Array, ticks: Array) -> Array:
 
 def _is_early(rows: Array) -> bool:
     """Return whether the next voltage counts in the rows of the regression."""
-    for _ in range(2):
-        if len(rows) < MIN_ROWS:
-            return False
-        columns, turn = np.hstack([rows[:, :-1], np.ones((len(rows), 1))]), rows[:, -1]
-        weights = np.linalg.lstsq(columns, turn, rcond=None)[0]
-        rest = turn - columns @ weights
-        inverse = np.linalg.pinv(columns.T @ columns)
-        # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838).
-        variance = (inverse @ (columns * rest[:, None] ** 2).T @ columns @ inverse)[NEXT, NEXT]
-        # Once more without rows that are far off.
-        rows = rows[np.abs(rest) <= 9.0 * np.median(np.abs(rest))]
+    if len(rows) < MIN_ROWS:
+        return False
+    rest = np.abs(_regression(rows)[1])
+    rows = rows[rest <= OUTLIERS * np.median(rest)]
+    if len(rows) < MIN_ROWS:
+        return False
+    weights, rest = _regression(rows)
+    columns = _columns(rows)
+    inverse = np.linalg.pinv(columns.T @ columns)
+    # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838).
+    variance = (inverse @ (columns * rest[:, None] ** 2).T @ columns @ inverse)[NEXT, NEXT]
     part = weights[NEXT] / np.abs(weights[[0, 1, NEXT]]).sum()
     return bool(part > MIN_PART and weights[NEXT] > MIN_ERRORS * np.sqrt(variance))
+
+
+def _columns(rows: Array) -> Array:
+    return np.hstack([rows[:, :-1], np.ones((len(rows), 1))])
+
+
+def _regression(rows: Array) -> tuple[Array, Array]:
+    """Return the weights (8,) of the columns and the residuals (n,)."""
+    weights: Array = np.linalg.lstsq(_columns(rows), rows[:, -1], rcond=None)[0]
+    return weights, rows[:, -1] - _columns(rows) @ weights

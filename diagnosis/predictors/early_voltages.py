@@ -67,13 +67,15 @@ def held_earlier(series: TimeSeries, shape: Array) -> TimeSeries:
         shape: (PARTS,), one of SHAPES, over the step of the log before a change.
     """
     # A little less than the step, so that a change does not begin before the one before it has ended.
-    part_s, steps = (1.0 - 1e-6) * step_s(series) / PARTS, np.diff(series.values)
-    times, values = [series.t_s[:1]], [series.values[:1]]
-    begins = [series.t_s[1:] - k * part_s for k in range(PARTS, -1, -1)]
-    shares = [*shape.tolist(), 1.0]
-    times.append(np.stack(begins, axis=1).ravel())
-    values.append(np.stack([series.values[:-1] + share * steps for share in shares], axis=1).ravel())
-    return TimeSeries(series.name, series.unit, np.concatenate(times), np.concatenate(values))
+    part_s, held = (1.0 - 1e-6) * step_s(series) / PARTS, np.asarray(series.values, dtype=np.float64)
+    begins_s = np.stack([series.t_s[1:] - k * part_s for k in range(PARTS, -1, -1)], axis=1)
+    values = np.stack([held[:-1] + share * np.diff(held) for share in (*shape.tolist(), 1.0)], axis=1)
+    return TimeSeries(
+        series.name,
+        series.unit,
+        np.concatenate([series.t_s[:1], begins_s.ravel()]),
+        np.concatenate([held[:1], values.ravel()]),
+    )
 
 
 def step_s(series: TimeSeries) -> float:
