@@ -89,8 +89,9 @@ def read_log(path: Path) -> LogFile:
     separator = max(SEPARATORS, key=head.count)
     header = [cell.strip('"') for cell in cells_of(head, separator)]
     _check_header(header, f"{path}: row {above + 1}")
-    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in lines[above + 1 :]]
-    if len(rows) > 1 and len(rows[0]) == len(header) and _are_units(rows[0]):
+    below = [lines[above + 1].lstrip("# "), *lines[above + 2 :]] if len(lines) > above + 1 else []
+    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
+    if len(rows) > 1 and len(rows[0]) == len(header) and _are_units(rows[0], rows[1]):
         header = [with_unit(name, unit) for name, unit in zip(header, rows.pop(0), strict=True)]
         notes.append(f"{path.name}: row {first_row} has the units of the columns")
         first_row += 1
@@ -119,18 +120,39 @@ def read_log(path: Path) -> LogFile:
 def _comments(lines: Sequence[str]) -> int:
     """Return the number of lines above the header: empty ones, and those that begin with #.
 
-    The last of these is the header itself if the line below it has numbers.
+    The last of these is the header itself if the line below it is a row of values, or has the units of the header above
+    it in such a case.
     """
     below = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
-    cells = re.split(r"[,;\t]", lines[below])
-    has_numbers = any(isfinite(number_of(cell.strip().replace(",", "."))) for cell in cells)
-    return below - 1 if has_numbers and below > 0 and lines[below - 1].startswith("#") else below
+    if below == 0 or not lines[below - 1].startswith("#") or not _are_values(_pieces(lines[below])):
+        return below
+    first = _pieces(lines[below])
+    has_units = below > 1 and lines[below - 2].startswith("#") and _are_units(_pieces(lines[below - 1]), first)
+    return below - 2 if has_units else below - 1
 
 
-def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether a row has units, and no other words or numbers."""
-    return any(unit_of_cell(cell) for cell in cells) and all(
-        unit_of_cell(cell) or cell in {"", *NO_UNIT} for cell in cells
+def _pieces(line: str) -> list[str]:
+    """Return the cells of a line, whatever separates them."""
+    return [cell.strip().strip('"') for cell in re.split(r"[,;\t]", line.lstrip("# "))]
+
+
+def _are_values(cells: Sequence[str]) -> bool:
+    """Return whether a row has a number, or nothing but marks of missing samples."""
+    return any(_is_number(cell) for cell in cells) or all(not cell or NO_NUMBER.fullmatch(cell) for cell in cells)
+
+
+def _is_number(cell: str) -> bool:
+    return isfinite(number_of(cell.replace(",", ".")))
+
+
+def _are_units(cells: Sequence[str], below: Sequence[str]) -> bool:
+    """Return whether a row has units, and no other words or numbers, and the row below it no word under a unit."""
+    units = [bool(unit_of_cell(cell)) for cell in cells]
+    words = [bool(cell) and not _is_number(cell) and not NO_NUMBER.fullmatch(cell) for cell in below]
+    return (
+        any(units)
+        and all(is_unit or cell in {"", *NO_UNIT} for is_unit, cell in zip(units, cells, strict=True))
+        and not any(is_unit and is_word for is_unit, is_word in zip(units, words, strict=False))
     )
 
 

@@ -17,7 +17,9 @@ def lost_light_factor(noisy: FloatImage, denoised: FloatImage) -> float:
     before = denoised @ LUMINANCE
     mean = float(np.mean(before, dtype=np.float64))
     removed = (noisy @ LUMINANCE - before).astype(np.float64)
-    difference, variance = float(removed.mean()), float(removed.var()) / removed.size
-    if mean <= 0 or difference**2 <= variance:
+    if mean <= 0 or not np.isfinite(removed).all():
+        return 1.0
+    difference, variance = float(removed.mean()), float(removed.var(ddof=1)) / removed.size
+    if difference**2 <= variance:
         return 1.0
     return 1.0 + (difference - variance / difference) / mean

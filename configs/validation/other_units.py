@@ -8,6 +8,9 @@ from math import degrees, radians
 MAX_HINTED = 1e9
 """Largest number that may have a wrong unit; a larger one is a mistake of another kind, and may overflow."""
 
+MIN_PER_CENT = 2.0
+"""Smallest number in the place of a part of 1 that may be in per cent; a smaller one is a little too large."""
+
 
 @dataclass(frozen=True)
 class OtherUnits:
@@ -37,7 +40,7 @@ _UNITS = (
     OtherUnits(re.compile(r"_klm$"), "in kilolumens", (("lm", 0.001),), times=2.0),
     OtherUnits(re.compile(r"_klx$"), "in kilolux", (("lx", 0.001),), times=2.0),
     OtherUnits(re.compile(r"_deg$"), "in degrees", (("rad", degrees(1.0)),), is_below=True),
-    OtherUnits(re.compile(r"(?<!_s)(?<!_m)(?<!_V)_rad$"), "in radians", (("deg", radians(1.0)),)),
+    OtherUnits(re.compile(r"(?<!_s)(?<!_m)(?<!_V)_rad$"), "in radians", (("deg", radians(1.0)),), times=1.5),
     OtherUnits(re.compile(r"(?<!_m)_rad_s$"), "in radians per second", (("deg/s", radians(1.0)),)),
 )
 _HAS_UNIT = re.compile(r"_(m|mm|um|m2|m3|s|kg|g|V|A|W|N|K|C|deg|rad|hz|Hz|rtHz|px|ohm|lux|klm|klx|bits|turn)$")
@@ -74,5 +77,5 @@ def _of_factor(field: str, got: float, low: float, high: float) -> Iterator[str]
             yield f"a factor? {in_per_cent}"
         elif low <= 1.0 + got <= high:
             yield f"a factor? with a deviation of {got:g} it is {1.0 + got:.6g}"
-    elif max(abs(low), high) <= 1.0 and low <= 0.01 * got <= high:
+    elif max(abs(low), high) <= 1.0 and abs(got) >= MIN_PER_CENT and low <= 0.01 * got <= high:
         yield f"a part of 1? {in_per_cent}"

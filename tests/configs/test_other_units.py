@@ -26,6 +26,7 @@ from symolo.core.errors import InputError
         ("camera.field_of_view_deg=1.22", "is it in degrees? 1.22 rad are 69.9009"),
         ("camera.focal_length_mm=0.03", "is it in millimetres? 0.03 m are 30"),
         ("camera.sensor_width_mm=0.00423", "is it in millimetres? 0.00423 m are 4.23"),
+        ("tof.dropout_probability=1.2", "number >= 0 and <= 1"),
         ("wheel_loop.integral_V_rad=300", "number >= 0 and <= 100"),
         ("chassis.clearance_m=0.3", "number >= 0.002 and <= 0.2"),
         ("motor.coulomb_friction_N_m=20", "number >= 0 and <= 10"),

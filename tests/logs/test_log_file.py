@@ -34,6 +34,22 @@ def test_a_header_in_a_comment_stays_the_header(read):
     assert log.columns == {"t_s": ("0", "1"), "x_m": ("1", "2")}
 
 
+@pytest.mark.parametrize("first", [",", "nan,nan", "0,"])
+def test_a_header_in_a_comment_may_have_missing_values_below_it(first, read):
+    assert list(read(f"#t_s,x_m\n{first}\n1,2\n").columns) == ["t_s", "x_m"]
+
+
+def test_a_header_in_a_comment_may_have_its_units_in_another_one(read):
+    log = read("# first try\n# t,x,n\n# s,cm,-\n0,1,2\n1,2,3\n")
+    assert log.columns == {"t [s]": ("0", "1"), "x [cm]": ("1", "2"), "n": ("2", "3")}
+    assert log.where(0).endswith("run.csv: row 4")
+
+
+def test_words_that_may_be_units_are_none_above_other_words(read):
+    """A and B are surfaces, not amperes."""
+    assert read("t,dist,surface\n1,1,A\n2,2,B\n").columns["surface"] == ("A", "B")
+
+
 def test_a_row_of_units_becomes_a_part_of_the_names(read):
     log = read("t,x,heading_deg,ticks_L,note\nms,[cm],deg,1,\n0,1,2,3,\n1,2,3,4,\n")
     assert list(log.columns) == ["t [ms]", "x [cm]", "heading_deg", "ticks_L", "note"]

@@ -62,8 +62,9 @@ def _misplaced(
 ) -> Iterator[str]:
     """Yield a note if the readings fit the mounts of other sensors, or else one for each that fits no wall."""
     readings = {side: _readings(measurement, side, max_range_m) for side in mounts}
-    sides = [side for side in mounts if np.isfinite(readings[side]).sum() >= MIN_READINGS]
-    seen = {side: _distances(room, mounts[side], measurement) for side in sides}
+    seen = {side: _distances(room, mounts[side], measurement) for side in mounts}
+    # A camera may log poses in other rows than those of the readings.
+    sides = [side for side in mounts if np.isfinite(readings[side] + seen[side]).sum() >= MIN_READINGS]
     error_m = {
         (side, at): float(np.nanmedian(np.abs(readings[side] - np.minimum(seen[at], max_range_m))))
         for side in sides

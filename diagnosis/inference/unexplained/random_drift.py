@@ -258,7 +258,7 @@ def _with_noise_of(other: HypothesisFit, fit: HypothesisFit) -> HypothesisFit:
     count against a drift of all sensors.
     """
     unit = fit.sd / other.sd
-    return replace(fit, z=fit.z * unit, sd=other.sd, slopes=fit.slopes * unit)
+    return replace(fit, z=fit.z * unit, sd=other.sd, slopes=fit.slopes * unit, noise=other.noise)
 
 
 def _falls(seen: _Seen) -> dict[CandidateEffect, float]:

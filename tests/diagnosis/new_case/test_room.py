@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from diagnosis.importers import IMPORTERS
@@ -104,6 +105,18 @@ def test_a_yaw_of_a_mount_in_radians_is_named_with_its_degrees(init, logged):
     _, out, _, _ = init(logged, *settings(left_yaw_deg=1.57))
     (check,) = re.findall("CHECK (.*)", out)
     assert check.endswith("its yaw of 1.57 degrees fits as radians: write 90")
+
+
+def test_ranges_in_other_rows_than_the_poses_give_no_check(init, logged, tmp_path, capsys):
+    """A camera has 10 poses a second, and the sensors read between them."""
+    init(logged, *settings())
+    data = tmp_path / "run" / "data.csv"
+    table = pd.read_csv(data, dtype=str)
+    table.loc[::2, [f"tof_{side}_m" for side in YAW_DEG]] = ""
+    table.loc[1::2, ["x_m", "y_m", "theta_rad"]] = ""
+    table.to_csv(data, index=False)
+    assert main(["inspect", str(tmp_path / "run")]) == 0
+    assert "CHECK" not in capsys.readouterr().out
 
 
 def test_right_ranges_with_an_offset_and_outliers_give_no_check(init, logged):
