@@ -67,7 +67,7 @@ def held_earlier(series: TimeSeries, shape: Array) -> TimeSeries:
         shape: (PARTS,), one of SHAPES, over the step of the log before a change.
     """
     # A little less than the step, so that a change does not begin before the one before it has ended.
-    part_s, held = (1.0 - 1e-6) * step_s(series) / PARTS, np.asarray(series.values, dtype=np.float64)
+    part_s, held = (1.0 - 1e-6) * steps_s(series) / PARTS, np.asarray(series.values, dtype=np.float64)
     begins_s = np.stack([series.t_s[1:] - k * part_s for k in range(PARTS, -1, -1)], axis=1)
     values = np.stack([held[:-1] + share * np.diff(held) for share in (*shape.tolist(), 1.0)], axis=1)
     return TimeSeries(
@@ -78,9 +78,14 @@ def held_earlier(series: TimeSeries, shape: Array) -> TimeSeries:
     )
 
 
-def step_s(series: TimeSeries) -> float:
-    """Return the time between two rows of a log from the times at which a value changed in it; 0 without changes."""
-    return float(np.diff(series.t_s).min(initial=np.inf)) if len(series.t_s) > 1 else 0.0
+def steps_s(series: TimeSeries) -> Array:
+    """Return the time (n - 1,) from the row before each change of a value to that change.
+
+    The rows themselves are not known. A value may be held for several of them, and they may be irregular, so that the
+    usual distance is the first quartile of those of the changes.
+    """
+    gaps_s = np.diff(series.t_s)
+    return np.minimum(gaps_s, np.quantile(gaps_s, 0.25)) if len(gaps_s) else gaps_s
 
 
 def independent_responses(motor: MotorModel, inertia_kg_m2: float, steps_V: Array, row_s: float) -> Array:

@@ -23,7 +23,7 @@ from diagnosis.predictors.early_voltages import (
     held_earlier,
     independent_responses,
     shaped,
-    step_s,
+    steps_s,
 )
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
@@ -108,8 +108,8 @@ class Wheels:
         for k, trial in enumerate(measurement.trials):
             for series in trial.held_inputs:
                 wheel = ("u_right_V", "u_left_V").index(series.name)
-                row = ((series.t_s[1:] - 0.5 * step_s(series)) / self._grid.period_s).astype(int)
-                steps_V = np.diff(series.values) * step_s(series) / self._grid.period_s
+                row = ((series.t_s[1:] - 0.5 * steps_s(series)) / self._grid.period_s).astype(int)
+                steps_V = np.diff(series.values) * steps_s(series) / self._grid.period_s
                 inside = row < len(squares)
                 np.add.at(squares[:, k, wheel], row[inside], steps_V[inside] ** 2)
         return np.sqrt(squares)

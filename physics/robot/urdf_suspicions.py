@@ -34,7 +34,8 @@ def check_size(track_m: float, where: str) -> None:
     if low <= track_m <= high:
         return
     fits = [(unit, per) for unit, per in (("millimetres", 1000), ("centimetres", 100)) if low <= track_m / per <= high]
-    cure = f"a URDF has metres: if the lengths are in {fits[0][0]}, divide them by {fits[0][1]}" if fits else ""
+    divide = " or ".join(f"in {unit}, divide them by {per}" for unit, per in fits)
+    cure = f"a URDF has metres: if the lengths are {divide}" if fits else ""
     raise InputError(
         "distance of the wheels", where=where, got=f"{track_m:.4g} m", allowed=f"{low:g} to {high:g} m", cure=cure
     )

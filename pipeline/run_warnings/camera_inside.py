@@ -59,11 +59,13 @@ def _of_camera(camera: RunCamera, rows: Rows) -> Iterator[str]:
 
 def _on_the_path(spec: SceneSpec, rows: Rows) -> Iterator[str]:
     """Yield the solid things that the middle of the axle drives through."""
-    place = rows.pose[:, :2]
+    place, row_t_s = rows.pose[:, :2], 1e-3 * rows.t_ms
     along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(place, axis=0).T))])
     count = min(MAX_PLACES, 2 + int(along_m[-1] / STEP_M))
     at_m = np.linspace(0.0, along_m[-1], count)
-    x, y, t_s = (np.interp(at_m, along_m, values) for values in (*place.T, 1e-3 * rows.t_ms))
+    # The times of the rows, too: while a robot stands, an obstacle may drive through it.
+    t_s = np.union1d(np.interp(at_m, along_m, row_t_s), row_t_s)
+    x, y = (np.interp(t_s, row_t_s, values) for values in place.T)
     for name, inside in _insides(spec.arena, np.stack([x, y, 0.0 * x], axis=1), t_s, only_solid=True):
         first = int(np.argmax(inside))
         yield f"at {t_s[first]:.1f} s the robot drives through {name}, at x = {x[first]:.2f}, y = {y[first]:.2f} m"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.importers.cases.motor_checks import AGAINST, MIN_DRIVEN_ROWS, goes_against, speed_checks
+from diagnosis.importers.cases.motor_checks import goes_against, speed_checks
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement, Trial
 from diagnosis.measured.nominal import NominalMotor
@@ -128,14 +128,7 @@ def _are_exchanged(measurement: Measurement) -> bool:
     )
     left_V, left, right_V, right = rows[np.isfinite(rows).all(axis=1)].T
     apart, sums = (right_V - left_V, right - left), (right_V + left_V, right + left)
-    if np.count_nonzero(apart[0] * apart[1]) < MIN_DRIVEN_ROWS:
-        return False
-    return _cosine(*apart) < -AGAINST and _cosine(*sums) > AGAINST
-
-
-def _cosine(one: Array, other: Array) -> float:
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(one @ other) / size if size > 0.0 else 0.0
+    return goes_against(*apart) and goes_against(sums[0], -sums[1])
 
 
 def _held_and_moved(trial: Trial, voltage: str, ticks: str) -> Array:

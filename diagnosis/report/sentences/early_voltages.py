@@ -11,11 +11,12 @@ def early_voltage_sentences(diagnosis: Diagnosis) -> str:
     if early is None:
         return ""
     scatter = f", and this part varies by {percent(early.sd)} from change to change" if early.sd > 0.0 else ""
+    rows = "Rows after a change are less certain for it, so that effects" if early.sd > 0.0 else "Effects"
     return (
-        "The voltages of this log changed between its rows: on average, "
+        "The voltages of the log changed between its rows: on average, "
         f"{percent(early.mean)} of a change acted before the row that states it{scatter}. This is fitted with the "
-        "robot and is no part of it. Rows after a change are less certain for it, so that effects of the motors may "
-        "stay hidden. A log with every change of the voltages would show them."
+        f"robot and is no part of it. {rows} of the motors may stay hidden. A log with every change of the voltages "
+        "would show them."
     )
 
 

@@ -1,5 +1,7 @@
 """Images from inside walls and obstacles of an arena that does not fit the path."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,12 @@ def test_a_moving_obstacle_is_where_it_is_at_the_time_of_the_image(rows):
     )
     (camera,) = cameras_of(spec)
     assert things_around(camera, rows) == dict.fromkeys(range(1, 12), "obstacle Cart")
+
+
+def test_an_obstacle_that_drives_through_a_robot_that_stands_is_a_warning(rows):
+    """The cart is 0.2 m long, starts 1 m away and moves at 0.4 m/s, so that it reaches the axle after 2.25 s."""
+    still = replace(rows, pose=0.0 * rows.pose)
+    motion = "{waypoints: [{t_s: 5, offset: [2, 0]}]}"
+    cart = f"{{name: Cart, center: [-1, 0], size: [0.2, 0.2, 0.08], motion: {motion}}}"
+    (warning,) = inside_warnings(spec_of(f"arena.obstacles=[{cart}]"), still)
+    assert warning.startswith("at 2.3 s the robot drives through obstacle Cart")
