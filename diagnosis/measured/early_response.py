@@ -20,6 +20,8 @@ MIN_ERRORS = 3.5
 """Weight of the next voltage in standard errors from which it is noted."""
 OUTLIERS = 9.0
 """Multiple of the median size of the residuals beyond which a row is left out."""
+MIN_CHANGE = 1e-3
+"""Part of the next voltage that the other columns do not explain, from which its weight is known."""
 NEXT = 3
 """Place of the next voltage in a row of `_equations`."""
 
@@ -58,13 +60,24 @@ def _is_early(rows: Array) -> bool:
     rows = rows[rest <= OUTLIERS * np.median(rest)]
     if len(rows) < MIN_ROWS:
         return False
-    weights, rest = _regression(rows)
     columns = _columns(rows)
+    if not _is_independent(columns):
+        return False
+    weights, rest = _regression(rows)
     inverse = np.linalg.pinv(columns.T @ columns)
-    # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838).
-    variance = (inverse @ (columns * rest[:, None] ** 2).T @ columns @ inverse)[NEXT, NEXT]
+    # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838). But if one row alone has a
+    # change, it is fitted in any case and does not show its noise.
+    white = (inverse @ (columns * rest[:, None] ** 2).T @ columns @ inverse)[NEXT, NEXT]
+    variance = max(white, inverse[NEXT, NEXT] * np.mean(rest**2))
     part = weights[NEXT] / np.abs(weights[[0, 1, NEXT]]).sum()
     return bool(part > MIN_PART and weights[NEXT] > MIN_ERRORS * np.sqrt(variance))
+
+
+def _is_independent(columns: Array) -> bool:
+    """Return whether the next voltage is no combination of the other columns, as one that hardly changes is."""
+    following, others = columns[:, NEXT], np.delete(columns, NEXT, axis=1)
+    rest = following - others @ np.linalg.lstsq(others, following, rcond=None)[0]
+    return float(np.linalg.norm(rest)) > MIN_CHANGE * float(np.linalg.norm(following))
 
 
 def _columns(rows: Array) -> Array:

@@ -36,7 +36,7 @@ def alignment(align: Align, estimate: Estimate, truth: Array) -> Movement:
     """Return the movement that aligns an estimate with the true poses (N, 3) of all rows.
 
     Raises:
-        InputError: It is that of all places, and no turn is better, as if all estimates are at one place.
+        InputError: It is that of all places, and all turns fit equally well, as for estimates at one place.
     """
     true = truth[estimate.rows]
     match align:
@@ -47,7 +47,7 @@ def alignment(align: Align, estimate: Estimate, truth: Array) -> Movement:
         case Align.SE2:
             movement = best_movement(estimate.pose[:, :2], true[:, :2])
             if movement is None:
-                what, cure = "the estimates cannot be aligned, because no turn is better", "leave the alignment out"
+                what, cure = "the estimates cannot be aligned, because all turns fit equally well", "leave the alignment out"
                 raise InputError(what, cure=cure)
             return movement
 
@@ -56,8 +56,8 @@ def best_movement(estimated: Array, true: Array) -> Movement | None:
     """Return the movement of places (M, 2) with the least squares of the distances from the true places (M, 2).
 
     This is the closed form of Umeyama (IEEE Transactions on Pattern Analysis and Machine Intelligence 13, 1991) in the
-    plane, without a scale. It is None if all turns are as good, as of places that are all the same, or of the mirror
-    image of a circle.
+    plane, without a scale. It is None if all turns fit equally well, as for places that are all the same, or for the
+    mirror image of a circle.
     """
     middle, true_middle = estimated.mean(axis=0), true.mean(axis=0)
     a, b = estimated - middle, true - true_middle

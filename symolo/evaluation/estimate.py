@@ -32,8 +32,8 @@ class EstimatedTrajectory:
     """The poses that a method estimates, at times of its own; anything that NumPy takes for an array may be given.
 
     Raises:
-        InputError: Shapes do not agree, a number is not finite or too large, times do not increase, or a covariance is
-            none.
+        InputError: Shapes do not agree, a number is not finite or too large, times do not increase, or a matrix is not
+            a covariance matrix.
     """
 
     t_s: Array

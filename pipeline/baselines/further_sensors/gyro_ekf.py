@@ -48,8 +48,8 @@ class GyroFilter(KalmanFilter):
         expected_rad = scale * turned_rad + self.state[BIAS] * duration_s + self.state[PER_K] * warmth_K_s
         innovation_rad, variance = turn_rad - expected_rad, self._noise * duration_s
         if innovation_rad**2 > GATE * float(row @ self.covariance @ row + variance):
-            # A wheel slipped, or a count was lost or late: the turn is that of the gyroscope, whose errors stay as they
-            # were.
+            # A wheel slipped, or a count was lost or late: the turn is that of the gyroscope, and says hardly anything
+            # about the errors of the gyroscope.
             self.covariance[YAW, YAW] += innovation_rad**2
         self.state, self.covariance = updated(self.state, self.covariance, row, innovation_rad, variance)
 

@@ -97,3 +97,21 @@ def test_a_controller_in_step_with_the_rows_has_no_early_voltages(tmp_path):
     assert not any(NOTE in note for note in measurement.notes)
     assert result.early_voltages is None
     assert result.names == ()
+
+
+@pytest.mark.parametrize(
+    "voltage_V",
+    [np.full(400, 3.0), np.repeat([3.0, 4.0], 200), np.repeat([3.0, 1.0, 4.0, 2.0], 100), np.linspace(1.0, 5.0, 400)],
+    ids=["constant", "one step", "steps", "ramp"],
+)
+def test_turns_by_the_voltage_of_their_row_get_no_note(voltage_V, tmp_path):
+    """A voltage that hardly changes says little about the row in which it acts."""
+    turns = 20.0 * voltage_V[:-1] + np.random.default_rng(0).normal(0.0, 0.3, 399)
+    ticks = np.floor(np.concatenate([[0.0], np.cumsum(turns)]))
+    rows = [
+        f"1,fit,{k * ROW_S:.3f},{k * ROW_S:.3f},,,{u:.3f},{u:.3f},{n:.0f},{n:.0f},,,,,,"
+        for k, (u, n) in enumerate(zip(voltage_V, ticks, strict=True))
+    ]
+    (tmp_path / "nominal.yaml").write_text(NOMINAL)
+    (tmp_path / "data.csv").write_text("\n".join([HEADER, *rows, ""]))
+    assert not any(NOTE in note for note in IMPORTER.read(tmp_path).notes)
