@@ -47,8 +47,8 @@ def alignment(align: Align, estimate: Estimate, truth: Array) -> Movement:
         case Align.SE2:
             movement = best_movement(estimate.pose[:, :2], true[:, :2])
             if movement is None:
-                what, cure = "the estimates cannot be aligned, because all turns fit equally well", "leave the alignment out"
-                raise InputError(what, cure=cure)
+                what = "the estimates cannot be aligned, because all turns fit equally well"
+                raise InputError(what, cure="leave the alignment out")
             return movement
 
 
