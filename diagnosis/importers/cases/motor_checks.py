@@ -13,9 +13,9 @@ MIN_DRIVEN_ROWS = 10
 """Rows with a voltage and a motion from which the one is judged by the other."""
 AGAINST = 0.5
 """Correlation of two quantities, both from zero, beyond which one goes against the other."""
-FASTER, SLOWER = 2.0, 0.05
-"""Usual speed, as a share of that without load at the same voltage, beyond which number or unit is wrong: no motor is
-faster, and friction seldom leaves so little."""
+FASTER, SLOWER = 5.0, 0.05
+"""Usual speed, as a share of that without load at the same voltage, beyond which number or unit is wrong: a motor is
+only faster at a bridge that coasts, and friction seldom leaves so little."""
 MOVING_RAD_S = 0.5
 """Speed from which a motor turns."""
 LOWEST_V = 0.1
@@ -29,6 +29,9 @@ SMALL_MOTORS: Mapping[str, tuple[float, float, str, str]] = {
     "supply_voltage_V": (0.5, 100.0, "V", "mV"),
 }
 """Range of each number at the wheel for robots up to some 50 kg, its unit, and a thousandth of that unit."""
+LONGEST_S, MOST_DAMPING, MOST_FRICTION = 30.0, 10.0, 0.9
+"""Numbers of a motor of any size: time constant of its speed, viscous friction as a multiple of the braking by its
+back-EMF, and dry friction as a share of its stall torque."""
 
 
 def number_checks(motor: NominalMotor, others: Sequence[str] = ()) -> Iterator[str]:
@@ -43,10 +46,24 @@ def number_checks(motor: NominalMotor, others: Sequence[str] = ()) -> Iterator[s
         value = number if isinstance(number, float | None) else number.value
         if value is None or low <= value <= high or any(key in note for note in others):
             continue
+        if value > high and _fits_a_large_motor(key, value, motor):
+            continue
         would = "if it was estimated from the log, check the units of voltage, current and speed"
         if low <= 1e-3 * value <= high:
             would = f"if it is in {thousandth}, write {1e-3 * value:.4g}"
         yield f"{CHECK} {key}: {value:.4g} {unit}, where small robots have {low:g} to {high:g} {unit}; {would}"
+
+
+def _fits_a_large_motor(key: str, value: float, motor: NominalMotor) -> bool:
+    """Return whether a friction or inertia is usual in relation to the other numbers of the motor."""
+    resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
+    braking = constant**2 / resistance
+    largest = {
+        "viscous_friction_N_m_s_rad": MOST_DAMPING * braking,
+        "coulomb_friction_N_m": MOST_FRICTION * constant * motor.supply_voltage_V / resistance,
+        "rotor_inertia_kg_m2": LONGEST_S * braking,
+    }
+    return value <= largest.get(key, 0.0)
 
 
 def goes_against(one: Array, other: Array) -> bool:

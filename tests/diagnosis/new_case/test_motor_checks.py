@@ -5,6 +5,8 @@ import re
 import numpy as np
 import pytest
 
+from diagnosis.importers.cases.motor_checks import number_checks, speed_checks
+from diagnosis.measured.nominal import NominalMotor
 from tests.diagnosis.new_case.drives import SLOPE, TC, TICKS, B, K, R
 
 
@@ -70,3 +72,33 @@ def test_numbers_of_the_motors_of_a_drive_in_another_unit_are_named(known, check
         assert match
         # The voltage of a motor without friction would be K w, and that of this one is SLOPE w and a little more.
         assert all(K < float(constant) < 1.3 * SLOPE for constant in match.groups())
+
+
+def motor_of(**numbers):
+    spreads = {name: {"value": value, "tolerance": 0.0} for name, value in numbers.items() if name[-2:] != "_V"}
+    return NominalMotor.model_validate({**numbers, **spreads})
+
+
+def test_the_numbers_of_a_large_motor_that_fit_each_other_give_no_check():
+    """Its dry friction takes 0.8 of 21 V, and the viscous one is 0.02 of the braking by its back-EMF."""
+    large = motor_of(
+        winding_resistance_ohm=0.51,
+        torque_constant_N_m_A=4.84,
+        viscous_friction_N_m_s_rad=0.87,
+        coulomb_friction_N_m=7.9,
+        supply_voltage_V=21.4,
+    )
+    assert list(number_checks(large)) == []
+
+
+def test_a_motor_that_a_coasting_bridge_lets_turn_faster_gives_no_check():
+    """With the bridge open in the off time, a motor without load follows the supply and not the mean voltage."""
+    motor = motor_of(
+        winding_resistance_ohm=R,
+        torque_constant_N_m_A=K,
+        viscous_friction_N_m_s_rad=B,
+        coulomb_friction_N_m=TC,
+        supply_voltage_V=6.0,
+    )
+    mean_V = np.linspace(0.6, 2.4, 24)
+    assert list(speed_checks(motor, mean_V, 2.5 * mean_V / K, "u_left_V")) == []
