@@ -8,20 +8,20 @@ import numpy as np
 
 from logs.counts import are_per_row
 from logs.drive import COUNTED, PER_ROW
+from logs.heading_unit import guessed_heading_unit
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
 from logs.plausible_units import beyond_scale, likely_unit
 from logs.quantity import DUTY, LogKind
 from logs.times import usual_step
 from logs.units import PERCENT, factor_to, taken_apart
-from logs.wrapped_angles import LEAST_WRAP_DEG
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 NO_TARGET_FROM = 8.19e3
 """Smallest of the codes of range sensors for "no target", which are 8190 and 8191 mm."""
-FASTEST_TURN_RAD_S = 12.0
-"""Speed at which no small robot turns for long; a heading that changes faster is in degrees."""
+MAX_INCIDENCE_RAD = 0.5 * np.pi + 0.1
+"""Largest angle of incidence, with a margin."""
 LARGEST_ROOM_M = 20.0
 FULL_DUTIES = (1.0, 100.0, 255.0, 1023.0, 4095.0)
 """Values of a full duty cycle in logs: share, per cent, 8, 10 and 12 bit."""
@@ -67,7 +67,10 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
             continue
         if ours and not unit and column != name and name not in left_open:
             with suppress(InputError):  # wrong cells are reported together, when the rows are read
-                unit, reason = _guessed(kind, name, log.numbers(column), log, _step_s(log, sources))
+                if name == "theta_rad":
+                    unit, reason = _guessed_heading(kind, sources, log, log.numbers(column))
+                else:
+                    unit, reason = _guessed(kind, name, log.numbers(column), log)
                 warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
         sources[name] = Source(column=column, unit="" if unit == ours else unit)
     for name in [name for name in COUNTED if name in sources and _are_per_row(log, name, sources)]:
@@ -174,21 +177,13 @@ def _supply_text(kind: LogKind, supply_V: float | None) -> str:
     return f"a supply of {USUAL_SUPPLY_V:g} V, which is not known: give it {kind.supply_option}"
 
 
-def _step_s(log: LogFile, sources: Mapping[str, Source]) -> float:
-    """Return the usual time between two rows, by the column of times if there is one."""
-    if "t_s" not in sources:
-        return DEFAULT_STEP_S
-    times = sources["t_s"]
-    return factor_to("s", times.unit, "t_s") * _step(log.numbers(times.column))
-
-
 def _step(times: Array) -> float:
     steps = np.diff(times[np.isfinite(times)])
     steps = steps[steps > 0.0]
     return usual_step(steps) if len(steps) else 0.0
 
 
-def _guessed(kind: LogKind, name: str, values: Array, log: LogFile, step_s: float) -> tuple[str, str]:
+def _guessed(kind: LogKind, name: str, values: Array, log: LogFile) -> tuple[str, str]:
     """Return the unit in which the values seem to be, and a sentence that says why; no sentence if it is certain."""
     known, ours = values[np.isfinite(values)], kind.unit_of(name)
     if not len(known):
@@ -202,7 +197,7 @@ def _guessed(kind: LogKind, name: str, values: Array, log: LogFile, step_s: floa
     if ours == "m":
         return _guessed_length(known, largest, is_range=name in kind.ranges)
     if ours == "rad":
-        return _guessed_angle(known, step_s)
+        return _guessed_angle(largest)
     if ours == "V" and 0.0 < largest <= 1.0:
         return "", f"taken for V, since the values are up to {largest:.4g}; a duty cycle needs a factor"
     if ours in {"V", "A"} and largest > 60.0:
@@ -232,14 +227,20 @@ def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
     return unit, f"taken for {unit}, since rows are {step:.6g} apart"
 
 
-def _guessed_angle(known: Array, step_s: float) -> tuple[str, str]:
-    turned = np.abs(np.diff(known))
-    largest = float(np.abs(known).max())
-    wraps = turned[turned > np.pi]
-    # Steps of some degrees may be as large as a turn in radians, so a jump by 360 decides first.
-    is_wrapped_deg = bool(np.any(turned > LEAST_WRAP_DEG))
-    is_wrapped_rad = len(wraps) > 0 and float(np.median(np.abs(wraps - 2.0 * np.pi))) < 1.0
-    is_fast = len(turned) > 0 and float(np.quantile(turned, 0.9)) > FASTEST_TURN_RAD_S * max(step_s, 1e-3)
-    if largest > 2.0 * np.pi + 0.5 and (is_wrapped_deg or (is_fast and not is_wrapped_rad)):
-        return "degrees", f"taken for degrees, since the values are up to {largest:.4g}"
-    return "", f"taken for radians, since the values are up to {largest:.3g}"
+def _guessed_heading(kind: LogKind, sources: Mapping[str, Source], log: LogFile, heading: Array) -> tuple[str, str]:
+    """Return the unit of a heading (N,) by the motion of the columns that are mapped already, and a sentence."""
+    ours = {
+        name: factor_to(kind.unit_of(name), sources[name].unit, name) * log.numbers(sources[name].column)
+        for name in ("t_s", "x_m", "y_m")
+        if name in sources
+    }
+    place_m = np.column_stack((ours["x_m"], ours["y_m"])) if {"x_m", "y_m"} <= ours.keys() else None
+    t_s = ours.get("t_s", DEFAULT_STEP_S * np.arange(log.rows))
+    unit, reason = guessed_heading_unit(t_s, place_m, heading)
+    return unit, f"taken for {unit or 'radians'}, {reason}" if reason else ""
+
+
+def _guessed_angle(largest: float) -> tuple[str, str]:
+    """Return the unit of an angle of incidence, which is within a right angle."""
+    unit = "degrees" if largest > MAX_INCIDENCE_RAD else ""
+    return unit, f"taken for {unit or 'radians'}, since the values are up to {largest:.4g}"

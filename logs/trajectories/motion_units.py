@@ -1,7 +1,7 @@
-"""Units of times, places and headings without a unit in their names, from the motion that they would give.
+"""Units of times and places without a unit in their names, from the motion that they would give.
 
 A column alone says little: 50 may be seconds or milliseconds. Together, the units must give a motion that a small robot
-can make, and headings must follow the path.
+can make.
 """
 
 import math
@@ -13,15 +13,12 @@ import numpy as np
 from logs.plausible_units import OTHER_UNITS
 from logs.possible_motion import LONGEST_STEP_S, SHORTEST_STEP_S
 from logs.times import usual_step
-from logs.trajectories.path_direction import MAX_UNJUDGED_CHORDS, angle_to_path, chords
 from symolo.core.arrays import Array
 
 USUAL_M_S = 0.3
 """Speed of a small robot; of several units that are possible, that with the speed nearest to it is taken."""
 SLOWEST_M_S, FASTEST_M_S = 0.005, 5.0
 WIDEST_M = 100.0
-_MIN_MARGIN_RAD = math.radians(5.0)
-"""Smallest difference by which headings must follow the path better in one unit than in the other."""
 
 
 def per_unit(ours: str) -> Mapping[str, float]:
@@ -62,17 +59,3 @@ def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_un
         )
 
     return min(product(time_units, length_units), key=cost)
-
-
-def heading_unit(place_m: Array, heading: Array) -> str:
-    """Return `degrees` or an empty name for radians, whichever follows the path of places (N, 2) [m] better.
-
-    Without a path that shows the unit, headings beyond one turn that jump by less than a turn are taken for degrees.
-    """
-    ends = chords(place_m)
-    if len(ends) > MAX_UNJUDGED_CHORDS:
-        as_radians, as_degrees = (angle_to_path(place_m[ends], yaw[ends]) for yaw in (heading, np.radians(heading)))
-        if abs(as_radians - as_degrees) > _MIN_MARGIN_RAD:
-            return "degrees" if as_degrees < as_radians else ""
-    largest, jump = float(np.abs(heading).max()), float(np.abs(np.diff(heading)).max(initial=0.0))
-    return "degrees" if largest > 2.0 * math.pi + 0.5 and (jump > 300.0 or largest > 30.0) else ""

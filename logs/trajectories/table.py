@@ -9,13 +9,14 @@ import numpy as np
 
 from logs.counts import jump_note, running_counts
 from logs.drive import COUNTED, DRIVE_TABLE
+from logs.heading_unit import guessed_heading_unit
 from logs.log_file import SEPARATORS, LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
 from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_row, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
-from logs.trajectories.motion_units import heading_unit, per_unit, time_and_length
+from logs.trajectories.motion_units import per_unit, time_and_length
 from logs.trajectories.path_direction import headings_along
 from logs.trajectories.planar import on_floor
 from logs.trajectories.quantities import DRIVE_QUANTITIES, QUATERNION, READING_OF, TRAJECTORY
@@ -77,12 +78,12 @@ def _guess_motion(log: LogFile, sources: dict[str, Source], known: Mapping[str, 
         names = ", ".join(sources[name].column for name in ("x_m", "y_m"))
         lines.append(f"{names} (x_m, y_m): the names have no unit; taken for {length or 'm'}, which gives {speed}")
     if "theta_rad" in sources and not known["theta_rad"]:
-        heading = log.numbers(sources["theta_rad"].column)[good]
-        if np.isfinite(heading).all():
-            unit = heading_unit(place / per_unit("m")[length], heading)
+        column = sources["theta_rad"].column
+        t_s, place_m = t / per_unit("s")[time], place / per_unit("m")[length]
+        unit, reason = guessed_heading_unit(t_s, place_m, log.numbers(column)[good])
+        if reason:
             sources["theta_rad"] = sources["theta_rad"].model_copy(update={"unit": unit})
-            column = sources["theta_rad"].column
-            lines.append(f"{column} (theta_rad): the name has no unit; taken for {unit or 'rad'}")
+            lines.append(f"{column} (theta_rad): the name has no unit; taken for {unit or 'radians'}, {reason}")
     return lines
 
 

@@ -399,6 +399,27 @@ def test_a_heading_that_jumps_by_a_turn_is_in_the_unit_of_that_turn(log, turn, b
     assert propose(log(text)).mapping.columns["theta_rad"].unit == unit
 
 
+def test_headings_without_a_unit_are_those_that_turn_with_the_path(log):
+    """Headings of a compass from 24 to 97 degrees would be within what a robot turns if rows were a second apart."""
+    t = np.arange(80.0)
+    yaw = 0.6 + 0.6 * np.sin(0.1 * t)
+    x, y = np.cumsum(0.03 * np.cos(yaw)) + 1, np.cumsum(0.03 * np.sin(yaw)) + 1
+    for heading, unit in ((90.0 - np.degrees(yaw), "degrees"), (0.5 * math.pi - yaw, "")):
+        text = table("t_s,encL,encR,uL,uR,x_m,y_m,heading", t, *np.zeros((4, len(t))), x, y, heading)
+        proposal = propose(log(text))
+        assert proposal.mapping.columns["theta_rad"].unit == unit
+        expected = f"since the headings turn with the path in {unit or 'radians'}"
+        assert any(warning.endswith(expected) for warning in proposal.warnings)
+
+
+@pytest.mark.parametrize(("largest", "unit"), [(60.0, "degrees"), (1.2, "")])
+def test_an_angle_of_incidence_is_within_a_right_angle(log, largest, unit):
+    """Each angle is held for several rows, so that most steps are zero."""
+    angles = np.repeat(np.linspace(0.0, largest, 5), 20)
+    text = table("distance_m,tof_m,angle", 0.1 + 0.001 * np.arange(100), 0.1 + 0.001 * np.arange(100), angles)
+    assert propose(log(text)).mapping.columns["incidence_rad"].unit == unit
+
+
 def test_a_unit_that_no_robot_could_have_is_refused_with_the_likely_one(log):
     t = np.round(0.05 * np.arange(100), 6)
     text = drive(t, header=DRIVE.replace("x,y", "x [m],y [m]")).splitlines()
