@@ -12,9 +12,9 @@ from logs.heading_unit import guessed_heading_unit
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
 from logs.plausible_units import beyond_scale, likely_unit
-from logs.quantity import DUTY, LogKind
+from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind
 from logs.times import usual_step
-from logs.units import PERCENT, factor_to, taken_apart
+from logs.units import PERCENT, HeaderName, factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
@@ -72,7 +72,8 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
                 else:
                     unit, reason = _guessed(kind, name, log.numbers(column), log)
                 warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
-        sources[name] = Source(column=column, unit="" if unit == ours else unit)
+        sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
+        sources[name] = Source(column=column, unit="" if unit == ours else unit, factor=sense)
     for name in [name for name in COUNTED if name in sources and _are_per_row(log, name, sources)]:
         column = sources[name].column
         sources[name] = sources[name].model_copy(update={"per_row": True})
@@ -151,6 +152,12 @@ def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool
     except InputError:  # wrong cells are reported together, when the rows are read
         pass
     return False
+
+
+def _is_clockwise(header: HeaderName) -> bool:
+    """Return whether a name states that a heading is counted clockwise, as `yaw_cw` and not `yaw_counter_clockwise`."""
+    senses = SENSE & set(header.words)
+    return bool(senses) and senses <= CLOCKWISE
 
 
 def _of_duty(kind: LogKind, log: LogFile, columns: Sequence[str], supply_V: float | None) -> tuple[float, str]:

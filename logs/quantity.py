@@ -25,7 +25,11 @@ TIME = words("t time timestamp stamp clock")
 DUTY = words("pwm duty")
 """Words for a voltage as a share of the supply's."""
 RANGE = words("tof range ranges dist distance d lidar ir sonar ultrasonic")
-HEADING = words("theta th heading yaw phi angle orientation rotation psi compass")
+EAST, NORTH = words("east easting"), words("north northing")
+HEADING = words("theta th heading hdg yaw phi angle orientation rotation psi compass azimuth bearing")
+CLOCKWISE = words("cw clockwise")
+SENSE = CLOCKWISE | words("ccw counter anti counterclockwise anticlockwise")
+"""Words for the sense in which a heading is counted."""
 SPEED = words("omega w speed velocity vel rotation")
 SET = words("cmd command commanded set setpoint target ref reference desired")
 LINEAR = words("v speed velocity linear lin")

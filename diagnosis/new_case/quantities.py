@@ -8,12 +8,15 @@ from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
 from logs.quantity import (
+    EAST,
     FILLERS,
     FRONT,
     HEADING,
     LEFT,
+    NORTH,
     RANGE,
     RIGHT,
+    SENSE,
     SET,
     SIDES,
     SPEED,
@@ -41,9 +44,9 @@ _QUANTITIES: Mapping[CaseKind, tuple[Quantity, ...]] = {
         Quantity("tof_front_m", (FRONT, RANGE)),
         Quantity("tof_left_m", (LEFT, RANGE)),
         Quantity("tof_right_m", (RIGHT, RANGE)),
-        Quantity("x_m", (words("x"),), unit_suffices=False),
-        Quantity("y_m", (words("y"),), unit_suffices=False),
-        Quantity("theta_rad", (HEADING,)),
+        Quantity("x_m", (words("x") | EAST,), unit_suffices=False),
+        Quantity("y_m", (words("y") | NORTH,), unit_suffices=False),
+        Quantity("theta_rad", (HEADING,), beside=SENSE),
         *COMMANDS,
     ),
     CaseKind.TOF_BENCH: (

@@ -6,7 +6,23 @@ from types import MappingProxyType
 
 from logs.drive import COMMANDS, WHEELS
 from logs.plausible_units import PlausibleRange
-from logs.quantity import FILLERS, FRONT, HEADING, LEFT, LINEAR, RANGE, RIGHT, TIME, TURNING, LogKind, Quantity, words
+from logs.quantity import (
+    EAST,
+    FILLERS,
+    FRONT,
+    HEADING,
+    LEFT,
+    LINEAR,
+    NORTH,
+    RANGE,
+    RIGHT,
+    SENSE,
+    TIME,
+    TURNING,
+    LogKind,
+    Quantity,
+    words,
+)
 
 READING_OF: Mapping[str, str] = MappingProxyType(
     {
@@ -58,10 +74,10 @@ TRAJECTORY = LogKind(
         *(Quantity(f"line_{i}", (words("line qtr"), words(str(i)))) for i in range(8)),
         *(Quantity(name, (words(name),)) for name in QUATERNION),
         *(Quantity(f"q{axis}", (words("q quat quaternion rotation orientation"), words(axis))) for axis in "xyzw"),
-        Quantity("x_m", (words("x tx px"),), unit_suffices=False),
-        Quantity("y_m", (words("y ty py"),), unit_suffices=False),
+        Quantity("x_m", (words("x tx px") | EAST,), unit_suffices=False),
+        Quantity("y_m", (words("y ty py") | NORTH,), unit_suffices=False),
         Quantity("z_m", (words("z tz pz"),), unit_suffices=False),
-        Quantity("theta_rad", (HEADING,)),
+        Quantity("theta_rad", (HEADING,), beside=SENSE),
     ),
     {
         "t_s": _QuantityScale("s", PlausibleRange(-1e12, 1e12)),

@@ -412,6 +412,14 @@ def test_headings_without_a_unit_are_those_that_turn_with_the_path(log):
         assert any(warning.endswith(expected) for warning in proposal.warnings)
 
 
+def test_a_heading_that_is_counted_clockwise_by_its_name_has_the_other_sign(log):
+    t = 0.05 * np.arange(100)
+    ours = measured(log(drive(t)))
+    rows = [line.rsplit(",", 1) for line in drive(t, header=DRIVE.replace("theta", "yaw_cw_rad")).splitlines()]
+    theirs = measured(log("\n".join([",".join(rows[0]), *(f"{row},-{yaw}" for row, yaw in rows[1:])]) + "\n"))
+    np.testing.assert_allclose(theirs.trials[0]["theta_rad"].values, ours.trials[0]["theta_rad"].values, atol=1e-9)
+
+
 @pytest.mark.parametrize(("largest", "unit"), [(60.0, "degrees"), (1.2, "")])
 def test_an_angle_of_incidence_is_within_a_right_angle(log, largest, unit):
     """Each angle is held for several rows, so that most steps are zero."""

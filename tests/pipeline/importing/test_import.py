@@ -303,6 +303,30 @@ def test_headings_of_a_compass_are_mapped_by_a_factor_and_an_offset_in_radians(t
     np.testing.assert_allclose(np.exp(1j * run.table.pose[:, 2]), np.exp(1j * YAW), atol=1e-4)
 
 
+CLOCKWISE = {
+    "yaw_cw_deg": (-np.degrees(YAW), []),
+    "heading clockwise [deg]": (-np.degrees(YAW), []),
+    "yaw_ccw_deg": (np.degrees(YAW), []),
+    "heading_counter_clockwise": (YAW, []),
+    "hdg_deg": (90.0 - np.degrees(YAW), ["give theta_rad factor: -1 and offset: 1.571 in a mapping file"]),
+    "azimuth (deg)": (90.0 - np.degrees(YAW), ["give theta_rad factor: -1 and offset: 1.571 in a mapping file"]),
+}
+
+
+@pytest.mark.parametrize("name", CLOCKWISE)
+def test_the_name_of_a_heading_may_state_its_sense(name, tmp_path, symolo):
+    """A compass is not named by a sense, but a warning gives the numbers that put its headings on the path."""
+    heading, warnings = CLOCKWISE[name]
+    (tmp_path / "run.csv").write_text(table(f"t_s,east_m,north_m,{name}", T_S, *PLACE.T, heading))
+    ended = symolo("import", tmp_path / "run.csv", "--out", tmp_path / "data", "--yes")
+    assert ended.code == 0, ended.err
+    assert [text for text in warnings if text not in ended.out] == []
+    assert ("WARNING" in ended.out) == bool(warnings), ended.out
+    (run,) = symolo_reader.load(tmp_path / "data")
+    if not warnings:
+        np.testing.assert_allclose(np.exp(1j * run.table.pose[:, 2]), np.exp(1j * YAW), atol=1e-5)
+
+
 REFUSED = {
     "degrees in radians": (lambda t, x, y, yaw: (t, x, y, np.degrees(yaw)), "only if it is in degrees"),
     "milliseconds in seconds and metres": (lambda t, x, y, yaw: (t / 1000, x, y, yaw), "moves at 300 m/s"),
