@@ -7,9 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.arena import ArenaConfig
+from configs.schema.mesh import MeshFile
 from configs.schema.scenario import SceneSpec
+from physics.arena.mesh_interior import contains
 from pipeline.stages.cameras import RunCamera, cameras_of
 from symolo.arena.footprints import obstacle_footprint, wall_footprint
+from symolo.arena.mesh import unpacked
 from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.arrays import Array
 from symolo.core.geometry.pinhole import pose_X_RC
@@ -20,6 +23,10 @@ from symolo.dataset.tables.rows import Rows
 STEP_M = 0.005
 """Distance between the places at which a path is examined; walls are usually thicker."""
 MAX_PLACES = 20_000
+MAX_PLACES_IN_MESH = 1000
+"""Places in the box around a mesh that are examined; a place between them counts as the one before."""
+PATH_HEIGHT_M = 0.001
+"""Height at which the path is examined, just above the lower side of things on the floor."""
 
 
 def inside_warnings(spec: SceneSpec, rows: Rows) -> tuple[str, ...]:
@@ -66,7 +73,9 @@ def _on_the_path(spec: SceneSpec, rows: Rows) -> Iterator[str]:
     # The times of the rows, too: while a robot stands, an obstacle may drive through it.
     t_s = np.union1d(np.interp(at_m, along_m, row_t_s), row_t_s)
     x, y = (np.interp(t_s, row_t_s, values) for values in place.T)
-    for name, inside in _insides(spec.arena, np.stack([x, y, 0.0 * x], axis=1), t_s, only_solid=True):
+    for name, inside in _insides(
+        spec.arena, np.stack([x, y, np.full(len(x), PATH_HEIGHT_M)], axis=1), t_s, only_solid=True
+    ):
         first = int(np.argmax(inside))
         yield f"at {t_s[first]:.1f} s the robot drives through {name}, at x = {x[first]:.2f}, y = {y[first]:.2f} m"
 
@@ -82,18 +91,32 @@ def _insides(
             inside = _inside(places, pose, (*body.size, wall.height_m))
             yield from [(f"wall {wall.name}", inside)] if inside.any() else []
     for obstacle in arena.obstacles:
-        if obstacle.mesh is not None or (only_solid and not obstacle.solid):
-            continue  # the box around a mesh is mostly air
+        if only_solid and not obstacle.solid:
+            continue
         body, motion = obstacle_footprint(obstacle), ObstacleMotion.from_config(obstacle)
         pose = np.array([(*body.center, body.yaw_rad)]) if motion is None else motion.poses_at(t_s)
         inside = _inside(places, pose, obstacle.size)
+        if obstacle.mesh is not None and inside.any():
+            inside[inside] = _inside_mesh(obstacle.mesh, places[inside], pose[inside] if len(pose) > 1 else pose)
         yield from [(f"obstacle {obstacle.name}", inside)] if inside.any() else []
 
 
 def _inside(places: Array, pose: Array, size: Sequence[float]) -> NDArray[np.bool_]:
     """Return which places (N, 3) are inside a box on the floor with poses (N, 3) or (1, 3)."""
+    ahead, left, up = np.abs(_in_frame(places, pose)).T
+    length_m, width_m, height_m = size
+    return (ahead < 0.5 * length_m) & (left < 0.5 * width_m) & (places[:, 2] >= 0.0) & (up < height_m)
+
+
+def _inside_mesh(mesh: MeshFile, places: Array, pose: Array) -> NDArray[np.bool_]:
+    """Return which places (N, 3) in the box around a mesh with poses (N, 3) or (1, 3) are inside the mesh itself."""
+    examined = np.arange(0, len(places), 1 + len(places) // MAX_PLACES_IN_MESH)
+    inside = contains(unpacked(mesh.packed), _in_frame(places, pose)[examined])
+    return inside[np.searchsorted(examined, np.arange(len(places)), side="right") - 1]
+
+
+def _in_frame(places: Array, pose: Array) -> Array:
+    """Return places (N, 3) in the frame of a body on the floor with poses (N, 3) or (1, 3)."""
     x, y = (places[:, :2] - pose[:, :2]).T
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    length_m, width_m, height_m = size
-    on_floor = (np.abs(c * x + s * y) < 0.5 * length_m) & (np.abs(c * y - s * x) < 0.5 * width_m)
-    return on_floor & (places[:, 2] >= 0.0) & (places[:, 2] < height_m)
+    return np.stack([c * x + s * y, c * y - s * x, places[:, 2]], axis=1)

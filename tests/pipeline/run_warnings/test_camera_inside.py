@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
@@ -84,3 +85,39 @@ def test_an_obstacle_that_drives_through_a_robot_that_stands_is_a_warning(rows):
     cart = f"{{name: Cart, center: [-1, 0], size: [0.2, 0.2, 0.08], motion: {motion}}}"
     (warning,) = inside_warnings(spec_of(f"arena.obstacles=[{cart}]"), still)
     assert warning.startswith("at 2.3 s the robot drives through obstacle Cart")
+
+
+@pytest.fixture
+def mesh_of(tmp_path):
+    """Write a trimesh body as a file, and return the settings of an obstacle at x = 0.5 m with this shape."""
+
+    def settings(body, center="[0.5, 0]"):
+        body.export(tmp_path / "body.stl")
+        return [
+            f"arena.assets={tmp_path}",
+            f"arena.obstacles=[{{name: Thing, center: {center}, yaw_deg: 90, mesh: {{file: body.stl}}}}]",
+        ]
+
+    return settings
+
+
+def test_the_inside_of_a_mesh_is_that_of_its_triangles(rows, mesh_of):
+    """A ball of 0.12 m, with its middle 0.08 m beside the path and 0.02 m above the camera: it has 0.413 to 0.587 m."""
+    ball = mesh_of(trimesh.creation.icosphere(subdivisions=3, radius=0.12), "[0.5, 0.08]")
+    (warning,) = inside_warnings(spec_of(*ball), rows)
+    assert warning.startswith("at 5.0 s the camera is inside obstacle Thing, as in 1 of 11 images: move")
+
+
+def test_a_path_between_the_legs_of_a_table_gets_no_warning_and_one_through_a_leg_does(rows, mesh_of):
+    legs = [
+        trimesh.creation.box((0.04, 0.04, 0.4), trimesh.transformations.translation_matrix((x, y, 0.2)))
+        for x in (-0.3, 0.3)
+        for y in (-0.2, 0.2)
+    ]
+    top = trimesh.creation.box((0.7, 0.5, 0.03), trimesh.transformations.translation_matrix((0, 0, 0.41)))
+    table = mesh_of(trimesh.util.concatenate([*legs, top]))
+    assert inside_warnings(spec_of(*table), rows) == ()
+    # Turned by 90 degrees, the legs are at x = 0.3 m and 0.7 m, and y = -0.3 m and 0.3 m.
+    beside = replace(rows, pose=np.add(rows.pose, (0.0, 0.3, 0.0)), image=0 * rows.image)
+    (warning,) = inside_warnings(spec_of(*table), beside)
+    assert warning.startswith("at 2.8 s the robot drives through obstacle Thing, at x = 0.28, y = 0.30 m")
