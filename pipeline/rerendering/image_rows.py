@@ -5,10 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.scenario import RunSpec
+from logs.times import usual_step
 from pipeline.stages.run_tables import ExternalRun
 from symolo.dataset.rates import IMAGE_HZ
 from symolo.dataset.tables.camera_rows import image_column, main_camera_rows
 from symolo.dataset.tables.rows import HEADER, Ints
+
+MAX_EXCESS = 1.05
+"""Rate of the images over that of the poses from which on images are missing, with a margin for uneven times."""
 
 
 def with_images(run: ExternalRun, camera_hz: float | None) -> ExternalRun:
@@ -26,8 +30,23 @@ def with_images(run: ExternalRun, camera_hz: float | None) -> ExternalRun:
         image = image_column(rows.t_ms, spec.rates)
     else:
         image = image_numbers(rows.t_ms, camera_hz or IMAGE_HZ)
+        if camera_hz is not None:
+            run = _with_warning(run, camera_hz)
     columns = tuple(name for name in HEADER if name in {*rows.columns, "img"})
     return _counted(replace(run, rows=replace(rows, image=image, columns=columns), spec=spec))
+
+
+def _with_warning(run: ExternalRun, camera_hz: float) -> ExternalRun:
+    """Return a run with a warning if the rows of its log come less often than its images are to be taken."""
+    steps_ms = np.diff(run.rows.t_ms)
+    poses_hz = 1000.0 / usual_step(steps_ms) if len(steps_ms) else camera_hz
+    if camera_hz <= MAX_EXCESS * poses_hz:
+        return run
+    text = (
+        f"the images are to be taken at {camera_hz:g} Hz, but the log usually has {poses_hz:.3g} poses a second, and"
+        f" each image is at a pose: import the log with --row-hz {camera_hz:g}"
+    )
+    return replace(run, outcome=run.outcome.model_copy(update={"suspicions": (*run.outcome.suspicions, text)}))
 
 
 def _counted(run: ExternalRun) -> ExternalRun:

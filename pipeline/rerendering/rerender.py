@@ -85,6 +85,8 @@ class Rerendering:
     """Paths of the user's files that the looks show, by SHA-256."""
     sensors: tuple[ListedSensor, ...]
     device: DeviceKind
+    warnings: tuple[str, ...] = ()
+    """What is suspicious about the images of the source's runs, whatever their look."""
 
 
 def draw_seed(seed: int, draw: int) -> int:
@@ -132,7 +134,12 @@ def prepare(sources: Sources, request: RerenderRequest) -> Rerendering:
     render = runs[0].spec.render
     tree = _tree(sources, request, looks, runs, name) | _splits(sources, runs)
     assets = {digest: path for section in looks for digest, path in section.assets.items()}
-    return Rerendering(tuple(runs), tree, assets, sources.sensors, device_for(render.device))
+    warnings = tuple(
+        f"{scene.spec.key}: {text}"
+        for scene, run in zip(scenes, sources.runs, strict=True)
+        for text in scene.outcome.suspicions[len(run.outcome.suspicions) :]
+    )
+    return Rerendering(tuple(runs), tree, assets, sources.sensors, device_for(render.device), warnings)
 
 
 def check_place(
@@ -182,8 +189,8 @@ def make_release(
         copy_user_images((spec.look for spec in specs), rerendering.assets, workspace.user_files)
         for run in rerendering.runs:
             write_external_run(run, workspace.simulate(run.spec.key))
-            for text in inside_warnings(run.spec, run.rows):
-                report.say(f"warning: {run.spec.key}: {text}")
+        for text in rerendering.warnings:
+            report.say(f"warning: {text}")
         failures = render_specs(workspace, specs, executor, rerendering.device, failures=[], report=report)
         tree, sensors = rerendering.tree, rerendering.sensors
         assemble(workspace, tree, specs, failures, report, sensors=sensors, protected=protected)

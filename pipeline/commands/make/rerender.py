@@ -201,6 +201,8 @@ def _print_plan(rerendering: "Rerendering", out: Path) -> None:
 
     from symolo.core.progress import plural
 
+    for text in rerendering.warnings:
+        typer.echo(f"warning: {text}")
     counts = [int(np.count_nonzero(run.rows.image)) for run in rerendering.runs]
     for run, count in zip(rerendering.runs, counts, strict=True):
         typer.echo(f"{run.spec.key}: look {run.spec.look.name}, {plural(count, 'image')}")

@@ -141,3 +141,13 @@ def test_times_in_fractions_of_a_second_are_one_clear_line(tmp_path, symolo):
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert f"{path}:3: column t: 0.05 ms is not a millisecond after 0 ms" in ended.err
     assert "looks like seconds: multiply it by 1000" in ended.err
+
+
+@pytest.mark.parametrize(("camera_hz", "images", "warns"), [(60.0, ROWS, True), (20.0, ROWS, False), (5.0, 50, False)])
+def test_more_images_a_second_than_the_log_has_poses_are_a_warning(camera_hz, images, warns, tmp_path, symolo):
+    """The log has a row each 50 ms."""
+    path = written(tmp_path / "log.csv", circle())
+    ended = symolo("rerender", path, "--look", "lab", "--camera-hz", camera_hz, "--dry-run", "--out", tmp_path / "out")
+    assert (ended.code, f"{images} images; nothing was rendered" in ended.out) == (0, True)
+    text = "warning: imported/test_1: the images are to be taken at 60 Hz, but the log usually has 20 poses a second"
+    assert (text in ended.out, "import the log with --row-hz 60" in ended.out) == (warns, warns)
