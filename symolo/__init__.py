@@ -4,6 +4,7 @@ The names are loaded when they are first used, so that a program that needs only
 """
 
 from importlib import import_module
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -54,6 +55,8 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - any of the public names
     Raises:
         AttributeError: The library has no such name.
     """
+    if name == "__version__":
+        return version("symolo")
     if name not in _MODULES:
         raise AttributeError(f"module 'symolo' has no attribute {name!r}")
     return getattr(import_module(_MODULES[name]), name)

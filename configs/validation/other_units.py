@@ -8,6 +8,8 @@ from math import degrees, radians
 MAX_HINTED = 1e9
 """Largest number that may have a wrong unit; a larger one is a mistake of another kind, and may overflow."""
 
+_COEFFICIENT = re.compile(r"(^|_)[kp]\d$")
+"""Fields with coefficients of a polynomial, which are no parts of anything."""
 MIN_PER_CENT = 2.0
 """Smallest number in the place of a part of 1 that may be in per cent; a smaller one is a little too large."""
 
@@ -77,5 +79,10 @@ def _of_factor(field: str, got: float, low: float, high: float) -> Iterator[str]
             yield f"a factor? {in_per_cent}"
         elif low <= 1.0 + got <= high:
             yield f"a factor? with a deviation of {got:g} it is {1.0 + got:.6g}"
-    elif max(abs(low), high) <= 1.0 and abs(got) >= MIN_PER_CENT and low <= 0.01 * got <= high:
+    elif (
+        max(abs(low), high) <= 1.0
+        and not _COEFFICIENT.search(field)
+        and abs(got) >= MIN_PER_CENT
+        and low <= 0.01 * got <= high
+    ):
         yield f"a part of 1? {in_per_cent}"

@@ -99,6 +99,9 @@ def assemble(
                 stage.say(f"{spec.key}: {of_several_classes(run.record.cpu_classes)}")
             runs.append(run)
             stage.update(spec.key, 1)
+    splits = _splits(tree, specs, [run.record for run in runs])
+    for name in splits.empty if splits and good else ():
+        report.say(f"assemble: warning: the split {name} is empty, because its runs failed")
     if not good:
         _remove_seals(workspace.out, report)
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))

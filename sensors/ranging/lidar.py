@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed
@@ -38,7 +38,8 @@ class LidarSettings(MountedSettings):
     first_ray_deg: float = Field(default=-180.0, ge=-360, le=360)
     """Direction of the first ray to the left of the x axis of the sensor."""
     ray_step_deg: float = Field(default=1.0, ge=-180, le=180)
-    """Angle from a ray to the next one, counter-clockwise; below 0 for a head that turns clockwise."""
+    """Angle from a ray to the next one, counter-clockwise; below 0 for a head that turns clockwise. By default 360 over
+    the number of rays, so that they look all around."""
     min_range_m: float = Field(default=0.05, ge=0, le=10)
     """Smallest range that is measured [m]."""
     max_range_m: float = Field(default=8.0, gt=0, le=100)
@@ -58,6 +59,15 @@ class LidarSettings(MountedSettings):
     """Step of the ranges [m]; 0 for none."""
     dropout_probability: float = Field(default=0.002, ge=0, le=1)
     """Probability that a ray gives no range."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _look_all_around(cls, fields: object) -> object:
+        """Return the fields with the step that belongs to another number of rays, if they do not state one."""
+        if not isinstance(fields, dict) or "ray_step_deg" in fields:
+            return fields
+        rays = fields.get("rays")
+        return fields | {"ray_step_deg": 360.0 / rays} if isinstance(rays, int) and rays > 1 else fields
 
     def faults(self) -> Iterator[ConfigFault]:
         if self.min_range_m >= self.max_range_m:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -27,12 +27,38 @@ _NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     check_labelled(data, "coco", "instance", "masks")
-    yield from _files_of("", data, data.runs, images_of_splits(data))
-    for camera in further_cameras_of_splits(data, "instance"):
-        yield from _files_of(f"{camera.folder}/", data, camera.runs, camera.splits)
+    cameras: list[tuple[str, Sequence[RunFolder], ImagesOfSplits]] = [("", data.runs, images_of_splits(data))]
+    further = further_cameras_of_splits(data, "instance")
+    cameras += [(f"{camera.folder}/", camera.runs, camera.splits) for camera in further]
+    # Ids are unique over all files, so that users may join the files of splits or cameras.
+    most = max((one.id for _, runs, _ in cameras for run in runs for one in run.annotations.instances), default=1)
+    images_before = 0
+    for folder, runs, splits in cameras:
+        yield from _files_of(folder, data, runs, splits, _Ids(images_before, most))
+        images_before += sum(len(images) for _, images in splits)
 
 
-def _files_of(folder: str, data: Dataset, runs: Sequence[RunFolder], splits: ImagesOfSplits) -> Iterator[ExportedFile]:
+@dataclass(frozen=True)
+class _Ids:
+    """Ids of the images and annotations in one file."""
+
+    images_before: int
+    """Number of images in the files before."""
+    most_instances: int
+    """Largest id of an instance in any file."""
+
+    def image(self, index: int) -> int:
+        """Return the id of the image at an index of the file."""
+        return self.images_before + index + 1
+
+    def annotation(self, index: int, instance_id: int) -> int:
+        """Return the id of the annotation of an instance in this image."""
+        return (self.images_before + index) * self.most_instances + instance_id
+
+
+def _files_of(
+    folder: str, data: Dataset, runs: Sequence[RunFolder], splits: ImagesOfSplits, ids: _Ids
+) -> Iterator[ExportedFile]:
     """Yield the annotations of one camera in a folder, and its images."""
     known = runs[0].annotations.categories
     for run in runs[1:]:
@@ -43,9 +69,10 @@ def _files_of(folder: str, data: Dataset, runs: Sequence[RunFolder], splits: Ima
         name = "_".join(("instances", *([split] if split else [])))
         yield ExportedFile(
             f"annotations/{folder}{name}.json",
-            lambda images=images: _document(data, runs, images),
+            lambda images=images, ids=ids: _document(data, runs, images, ids),
             lambda images=images: _estimated_bytes(runs, len(images)),
         )
+        ids = replace(ids, images_before=ids.images_before + len(images))
     for run in runs:
         for image in run.images:
             yield copied_file(f"images/{_file_name(image)}", image.path)
@@ -63,16 +90,17 @@ def _estimated_bytes(runs: Sequence[RunFolder], count: int) -> int:
     return all_bytes * count // sum(len(run.numbers) for run in runs)
 
 
-def _document(data: Dataset, runs: Sequence[RunFolder], chosen: Sequence[Image]) -> bytes:
+def _document(data: Dataset, runs: Sequence[RunFolder], chosen: Sequence[Image], ids: _Ids) -> bytes:
     """Return the JSON file of some images of runs or of a camera of runs, in the order of the runs."""
     images, annotations = [], []
     for run, of_run in by_run(chosen):
         labels = _Labels(run)
         for image in of_run:
-            number = len(images) + 1
-            images.append(_image(image, number))
-            for annotation in labels.annotations(image):
-                annotations.append({"id": len(annotations) + 1, "image_id": number, **annotation})
+            index = len(images)
+            images.append(_image(image, ids.image(index)))
+            for instance_id, annotation in labels.annotations(image):
+                own = {"id": ids.annotation(index, instance_id), "image_id": ids.image(index)}
+                annotations.append(own | annotation)
     metadata = data.metadata
     description = metadata.description or metadata.name if metadata else data.root.name
     content = {
@@ -136,8 +164,8 @@ class _Labels:
                 self._sighted.setdefault((sighting.image_id, instance), {})[corner] = sighting
         self._entries = {(one.image_id, one.instance_id): one for one in document.annotations}
 
-    def annotations(self, image: Image) -> Iterator[dict[str, object]]:
-        """Yield the annotation of each instance that has a visible pixel."""
+    def annotations(self, image: Image) -> Iterator[tuple[int, dict[str, object]]]:
+        """Yield the id and the annotation of each instance that has a visible pixel."""
         ids = image.annotation("instance")
         seen = set(np.unique(ids).tolist())
         for one in self._instances:
@@ -154,7 +182,7 @@ class _Labels:
                 "name": one.name,
             }
             key = image.number, one.id
-            yield annotation | self._corners(key) | _amodal(self._entries.get(key))
+            yield one.id, annotation | self._corners(key) | _amodal(self._entries.get(key))
 
     def _corners(self, key: tuple[int, int]) -> dict[str, object]:
         if not self._has_corners[key[1]]:

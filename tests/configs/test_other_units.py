@@ -37,6 +37,7 @@ from symolo.core.errors import InputError
         ("look.sun.elevation_deg=0.6", "is it in degrees? 0.6 rad are 34.3775"),
         ("look.sun.illuminance_klx=20000", "is it in kilolux? 20000 lx are 20"),
         ("look.lamps.flux_klm=6000", "is it in kilolumens? 6000 lm are 6"),
+        ("robot.camera.distortion.k1=-2", "number >= -1 and <= 1"),
         ("look.sun.elevation_deg=95", "number >= 1 and <= 90"),
     ],
 )

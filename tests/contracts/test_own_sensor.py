@@ -380,6 +380,10 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
         (('"contact"', '"clearance"'), "sensor feeler: columns: got 'clearance', allowed: .*each name once"),
         (("def sample", "def sampled"), "sensor feeler: sample missing.*define sample"),
         (("(Sensor)", "(object)"), "got 'none', allowed: one class that derives from Sensor"),
+        (
+            ('"clearance", "m", 3', '"clearance", 3, "m"'),
+            r"feeler\.py:29: .* unit of column clearance is 3, but must be",
+        ),
         (("def sample(self", "def sample(self:"), r"feeler\.py:32: sensor file: SyntaxError"),
     ],
 )

@@ -70,6 +70,7 @@ def splits_part(metadata: Metadata) -> str:
         table = {name: (splits.runs[name], sum(images[run] for run in splits.runs[name])) for name in splits.names}
     rows = [(name, str(len(runs)), str(count), _names(tuple(runs))) for name, (runs, count) in table.items()]
     warning = f" Warning: {NEIGHBOURS_WARNING}." if splits.by == "image" else ""
+    warning += "".join(f" Warning: {name} is empty, because its runs failed." for name in splits.empty)
     header = ("split", "runs", "images", "names of the runs")
     return f"## Splits\n\n{splits.how}{warning}\n\n{markdown_table(header, rows)}"
 

@@ -66,6 +66,13 @@ class SplitsRecord(Record):
             for number in numbers
         }
 
+    @property
+    def empty(self) -> tuple[SplitName, ...]:
+        """Names of the splits without a run or an image: all of their runs failed, or were not chosen."""
+        return tuple(
+            name for name in self.names if not self.runs.get(name) and not any(self.images.get(name, {}).values())
+        )
+
     def only(self, runs: Collection[str]) -> "SplitsRecord":
         """Return the assignment of these runs only; a split may then be empty."""
         of_runs: dict[SplitName, tuple[str, ...]] = {

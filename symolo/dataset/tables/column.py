@@ -17,6 +17,18 @@ class Column:
     count: int = 1
     """Number of columns. More than one are numbered from 0: `range` stands for `range_0`, `range_1`..."""
 
+    def __post_init__(self) -> None:
+        """Refuse a column whose parts were given in another order, before anything is simulated with it.
+
+        Raises:
+            TypeError: A part has another type.
+        """
+        parts = {"name": str, "unit": str, "decimals": int, "meaning": str, "count": int}
+        for part, kind in parts.items():
+            if not isinstance(value := getattr(self, part), kind):
+                wanted = "a text" if kind is str else "a whole number"
+                raise TypeError(f"the {part} of column {self.name} is {value!r}, but must be {wanted}")
+
     @property
     def title(self) -> str:
         """Name as a person reads it, such as `range_0..range_359`."""

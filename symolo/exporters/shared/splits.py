@@ -16,6 +16,8 @@ from symolo.reader.run import Run
 from symolo.reader.run_folder import Image, RunFolder
 
 OPTION = "--splits"
+MAX_FAILED = 5
+"""Largest number of failed runs in a message."""
 
 ImagesOfSplits = tuple[tuple[SplitName | None, tuple[Image, ...]], ...]
 """Each split with its images; None for a dataset that is not divided."""
@@ -53,13 +55,22 @@ def check_splits(data: Dataset) -> Dataset:
     if data.splits is None:
         return data
     chosen = {run.name for run in data.runs}
+    for name in data.splits.empty:
+        cure = f"choose other splits with {OPTION}, or none with {OPTION} none"
+        raise InputError(f"split {name} is empty{_failures(data)}", where=str(data.root), cure=cure)
     splits = data.splits.only(chosen)
-    for name in splits.names:
-        if not splits.runs.get(name) and not any(splits.images.get(name, {}).values()):
-            what = f"split {name} has no {'images' if splits.by == 'image' else 'runs'} among those that are exported"
-            cure = f"choose more runs with --runs, or other splits with {OPTION}, or none with {OPTION} none"
-            raise InputError(what, where=str(data.root), cure=cure)
+    for name in splits.empty:
+        what = f"split {name} has no {'images' if splits.by == 'image' else 'runs'} among those that are exported"
+        cure = f"choose more runs with --runs, or other splits with {OPTION}, or none with {OPTION} none"
+        raise InputError(what, where=str(data.root), cure=cure)
     return _with_splits(data, splits)
+
+
+def _failures(data: Dataset) -> str:
+    """Return the runs that are not in the dataset because they failed, as the end of a sentence."""
+    failed = [run.run for run in data.metadata.failed_runs] if data.metadata else []
+    more = f" and {len(failed) - MAX_FAILED} more" if len(failed) > MAX_FAILED else ""
+    return f": {', '.join(failed[:MAX_FAILED])}{more} failed when the dataset was made" if failed else ""
 
 
 def _member(run: Run, *, has_images: bool) -> SplitMember:

@@ -37,3 +37,4 @@ def test_a_run_that_failed_leaves_the_splits_of_the_others():
     record = SplitsRecord(by="run", seed=1, runs={"train": ("A/test_1", "A/test_2"), "test": ("A/test_3",)})
     assert record.only({"A/test_1", "A/test_3"}).runs == {"train": ("A/test_1",), "test": ("A/test_3",)}
     assert record.only({"A/test_1"}).runs == {"train": ("A/test_1",), "test": ()}
+    assert (record.empty, record.only({"A/test_1"}).empty) == ((), ("test",))

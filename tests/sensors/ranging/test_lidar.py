@@ -149,6 +149,14 @@ def test_a_run_has_a_scan_every_100_ms_that_meets_the_moving_obstacles():
 
 
 @pytest.mark.parametrize(
+    ("settings", "step_deg"),
+    [({}, 1.0), ({"rays": 90}, 4.0), ({"rays": 1}, 1.0), ({"rays": 90, "ray_step_deg": -1.5}, -1.5)],
+)
+def test_rays_look_all_around_unless_their_step_is_stated(settings, step_deg):
+    assert LidarSettings(**settings).ray_step_deg == step_deg
+
+
+@pytest.mark.parametrize(
     ("setting", "message"),
     [
         ("min_range_m=9", r"min_range_m: got 9(\.0)?, allowed: less than max_range_m"),

@@ -94,6 +94,15 @@ def ids_of(release: Path, camera: str, number: int) -> np.ndarray:
     return cv2.imread(str(release / RUN / camera / f"annotations/instance/{number:06d}.png"), cv2.IMREAD_UNCHANGED)
 
 
+def test_ids_of_coco_are_unique_over_the_files_of_all_cameras(out):
+    files = [COCO(path) for path in (out / "coco/annotations").rglob("*.json")]
+    assert len(files) == len(ANNOTATED)
+    for entries in ([list(file.imgs) for file in files], [list(file.anns) for file in files]):
+        ids = [number for of_file in entries for number in of_file]
+        assert min(ids) >= 1
+        assert len(set(ids)) == len(ids) > len(files)
+
+
 def test_coco_has_the_masks_of_each_annotated_camera(release, out):
     files = {path.relative_to(out / "coco/annotations").as_posix() for path in (out / "coco").rglob("*.json")}
     assert files == {f"{camera}instances.json" for camera in ANNOTATED}

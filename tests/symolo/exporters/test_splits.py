@@ -40,6 +40,8 @@ def test_coco_has_a_file_for_each_split(divided):
         "instances_train.json",
         "instances_test.json",
     }
+    ids = [COCO(path).anns.keys() for path in (out / "coco/annotations").iterdir()]
+    assert not ids[0] & ids[1]
     for split, run in (("train", TRAIN), ("test", TEST)):
         coco = COCO(out / f"coco/annotations/instances_{split}.json")
         images = coco.loadImgs(coco.getImgIds())
@@ -184,6 +186,18 @@ def test_an_export_takes_the_splits_of_the_release_by_default(with_splits, symol
     empty = symolo("export", with_splits, "--format", "tum", "--runs", "CW/*", "--out", tmp_path / "empty")
     assert empty.code == 2
     assert "split train has no runs among those that are exported; choose more runs with --runs" in empty.err
+
+
+def test_an_export_of_a_split_whose_runs_all_failed_names_them(with_splits, sign, symolo, tmp_path):
+    path = with_splits / "metadata.json"
+    metadata = json.loads(path.read_text())
+    metadata["splits"]["runs"] = {"train": [TRAIN, TEST], "validation": []}
+    metadata["failed_runs"] = [{"run": "CW/test_7", "stage": "simulate", "problem": "touched O1 at 3.00 s"}]
+    path.write_text(json.dumps(metadata))
+    sign(with_splits)
+    ended = symolo("export", with_splits, "--format", "coco", "--out", tmp_path / "out")
+    assert ended.code == 2
+    assert "split validation is empty: CW/test_7 failed when the dataset was made; choose other splits" in ended.err
 
 
 def test_the_reader_gives_the_runs_and_images_of_a_split(with_splits, random_release):
