@@ -6,10 +6,13 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from pipeline.json_results.base import JsonResult
+from pipeline.json_results.baselines import BaselinesResult
 from pipeline.json_results.compare import CompareResult
 from pipeline.json_results.doctor import DoctorResult
+from pipeline.json_results.export import ExportResult
 from pipeline.json_results.inspect import InspectResult
 from pipeline.json_results.plan import PlanResult
+from pipeline.json_results.release import ReleaseResult
 from pipeline.json_results.status import StatusResult
 from pipeline.json_results.verify import VerifyResult
 from symolo.core.field_descriptions import DescribedJsonSchema
@@ -19,6 +22,9 @@ RESULTS: Mapping[str, type[JsonResult]] = {
     "verify": VerifyResult,
     "compare": CompareResult,
     "plan": PlanResult,
+    "release": ReleaseResult,
+    "baselines": BaselinesResult,
+    "export": ExportResult,
     "doctor": DoctorResult,
     "inspect": InspectResult,
 }

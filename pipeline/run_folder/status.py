@@ -329,8 +329,13 @@ def _holder(place: os.stat_result) -> int:
     return next((int(row[4]) for row in rows if row[1:2] == ["FLOCK"] and row[5:6] == [where]), 0)
 
 
+def missing_lists(workspace: Workspace) -> tuple[str, ...]:
+    """Return the names of the lists of checksums that are missing, so that the release is not finished."""
+    return tuple(name for name in (MANIFEST, TAG_MANIFEST) if not is_plain_file(workspace.out / name))
+
+
 def _release(workspace: Workspace, *, check: bool) -> ReleaseStatus:
-    missing = tuple(name for name in (MANIFEST, TAG_MANIFEST) if not is_plain_file(workspace.out / name))
+    missing = missing_lists(workspace)
     if missing or not check:
         return ReleaseStatus(missing)
     return ReleaseStatus(missing, sum(1 for _ in Inventory.of(workspace.out).findings()))

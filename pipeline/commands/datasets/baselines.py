@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import NewFolder, Runs, Seed, checked_input, if_given, names
+from pipeline.commands.options import Json, NewFolder, Runs, Seed, checked_input, if_given, names
 from symolo.core.errors import InputError
 from symolo.evaluation.align import Align
 
@@ -94,6 +94,7 @@ def baselines(
         ),
     ] = 0.3,
     seed: Seed = 1,
+    as_json: Json = False,
 ) -> None:
     """Localise the robot with standard methods, judge estimates of your own method, and measure the errors.
 
@@ -118,14 +119,14 @@ def baselines(
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
 
-    own = own_estimates(estimate or (), [method.name for method in METHODS])
-    if methods == NO_METHOD and not own:
+    own_methods = own_estimates(estimate or (), [method.name for method in METHODS])
+    if methods == NO_METHOD and not own_methods:
         raise InputError("--methods", got=methods, cure="name methods, or judge your own with --estimate")
     check_new(out, folder)
-    judged_runs = chosen(open_true_runs(folder), runs) if own else ()
-    judgement = judge(own, judged_runs, align=align, max_gap_s=max_gap_ms / 1000)
+    judged_runs = chosen(open_true_runs(folder), runs) if own_methods else ()
+    judgement = judge(own_methods, judged_runs, align=align, max_gap_s=max_gap_ms / 1000)
     start_sd, slip_m = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)]), slip_mm / 1000
-    if own and (methods == NO_METHOD or (methods is None and is_imported(folder))):
+    if own_methods and (methods == NO_METHOD or (methods is None and is_imported(folder))):
         left_out = {} if methods else dict.fromkeys((method.name for method in METHODS), IMPORTED)
         compared = BaselineComparison((), judged_runs, {}, left_out, start_sd, slip_m, seed)
     else:
@@ -146,7 +147,12 @@ def baselines(
     for warning in compared.warnings:
         typer.echo(f"warning: {warning}", err=True)
     write(compared, out)
-    typer.echo(table(compared) + f"\n{out}")
+    if as_json:
+        from pipeline.json_results.baselines import BaselinesResult
+
+        typer.echo(BaselinesResult.of(str(out), compared).to_json())
+    else:
+        typer.echo(table(compared) + f"\n{out}")
 
 
 def _methods(

@@ -237,6 +237,9 @@ class SchemaOf(TextEnum):
     VERIFY = "verify"
     COMPARE = "compare"
     PLAN = "plan"
+    RELEASE = "release"
+    BASELINES = "baselines"
+    EXPORT = "export"
     DOCTOR = "doctor"
     INSPECT = "inspect"
 

@@ -1,13 +1,19 @@
 """Commands that share a release: export, pack, bag, upload, download."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.commands.exit_codes import FAULTS
-from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Runs, checked_input, names
+from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, Json, NewFolder, Runs, checked_input, names
 from symolo.core.errors import InputError
+from symolo.core.progress import plural
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from symolo.exporters.export import PlannedFormat
 
 DOCUMENTS = 7
 """Number of descriptions in a folder of `pack`."""
@@ -67,6 +73,7 @@ def export(
         ),
     ] = False,
     dry_run: DryRun = False,
+    as_json: Json = False,
 ) -> None:
     """Convert a release to other formats; each format gets a folder of its name in OUT.
 
@@ -79,7 +86,7 @@ def export(
     """
     from pipeline.commands.datasets.splits import split_line, with_splits
     from symolo.core.files.new_folder import check_new
-    from symolo.core.progress import plural, report_here
+    from symolo.core.progress import report_here
     from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
     from symolo.exporters.base import ExportSettings
     from symolo.exporters.export import check_room, exporters_of, open_release, plan
@@ -95,21 +102,32 @@ def export(
     if data.splits is not None and data.splits.by == "image":
         typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video, polygons))
-    for exporter in exporters:
-        for text in exporter.warnings(data):
-            typer.echo(f"warning: {exporter.name}: {text}", err=True)
-    if dry_run:
-        for export_plan in planned:
-            files, exporter = export_plan.files, export_plan.exporter
-            size = sum(file.size_bytes() for file in files)
-            typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size / _MEGABYTE:.3f} MB: {exporter.what}")
-    if data.splits is not None:
-        typer.echo(split_line(data))
-    if dry_run:
-        return
-    check_room(planned, out)
-    written = exported(data, planned, out, report_here())
-    typer.echo(f"{out}: {', '.join(each.exporter.name for each in planned)}, {written / _MEGABYTE:.1f} MB")
+    warnings = [f"{exporter.name}: {text}" for exporter in exporters for text in exporter.warnings(data)]
+    for text in warnings:
+        typer.echo(f"warning: {text}", err=True)
+    if not as_json:
+        _print_formats(planned if dry_run else ())
+        if data.splits is not None:
+            typer.echo(split_line(data))
+    written = 0
+    if not dry_run:
+        check_room(planned, out)
+        written = exported(data, planned, out, report_here())
+    if as_json:
+        from pipeline.json_results.export import ExportResult
+
+        run_names = [run.name for run in data.runs]
+        typer.echo(ExportResult.of(str(out), planned, run_names, warnings, written=not dry_run).to_json())
+    elif not dry_run:
+        typer.echo(f"{out}: {', '.join(each.exporter.name for each in planned)}, {written / _MEGABYTE:.1f} MB")
+
+
+def _print_formats(planned: "Sequence[PlannedFormat]") -> None:
+    """Print the number and the size of the files of each format."""
+    for export_plan in planned:
+        files, exporter = export_plan.files, export_plan.exporter
+        size = sum(file.size_bytes() for file in files)
+        typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size / _MEGABYTE:.3f} MB: {exporter.what}")
 
 
 def pack(
@@ -136,7 +154,7 @@ def pack(
     Example: symolo pack data --about about.yaml --out upload
     """
     from symolo.core.files.new_folder import check_new
-    from symolo.core.progress import plural, report_here
+    from symolo.core.progress import report_here
     from symolo.publishing.about import read_about
     from symolo.publishing.limits import fits_archives
     from symolo.publishing.pack import pack as packed
@@ -165,7 +183,7 @@ def bag(folder: Dataset, out: NewFolder) -> None:
 
     Example: symolo bag data --out bag
     """
-    from symolo.core.progress import plural, report_here
+    from symolo.core.progress import report_here
     from symolo.publishing.bagging import make_bag
 
     count = make_bag(folder, out, report_here())
@@ -196,7 +214,7 @@ def upload(
 
     Example: symolo upload data file:///mnt/shelf/data
     """
-    from symolo.core.progress import plural, report_here
+    from symolo.core.progress import report_here
     from symolo.storage.address import store_of
     from symolo.storage.comparison import compare, released_files
     from symolo.storage.upload import check_apart, planned
@@ -237,7 +255,7 @@ def download(
     Example: symolo download file:///mnt/shelf/data --out fetched
     """
     from symolo.core.files.new_folder import check_new
-    from symolo.core.progress import plural, report_here
+    from symolo.core.progress import report_here
     from symolo.storage.address import store_of
     from symolo.storage.download import Remote
     from symolo.storage.download import download as downloaded

@@ -197,6 +197,7 @@ def release(
             help="Print what would be lost, made again and kept, and do nothing else.",
         ),
     ] = False,
+    as_json: Json = False,
 ) -> int:
     """Make a dataset from a scenario: simulate, render and assemble.
 
@@ -206,6 +207,8 @@ def release(
     of the look, it renders again, but does not simulate again.
 
     What a command with other inputs would do: symolo release smoke --out data --set render.quality=high --dry-run
+
+    With --dry-run --json, the key `up_to_date` states whether there is nothing to do.
 
     Robots that agree with a diagnosis, another one in each run: symolo release smoke --like diagnosis --out data
 
@@ -219,13 +222,15 @@ def release(
         raise InputError(
             "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers use the graphics cards alternately"
         )
+    if as_json and not dry_run:
+        raise InputError("--json is for --dry-run", cure="add --dry-run; what a release contains is in its metadata.json")
     from pipeline.executors import chosen
 
     cluster = address if executor is ExecutorName.RAY else None
     workplace = chosen(workers, memory, address=cluster, card_share=gpu_share)
     to = _destination(out, upload, endpoint, allow_http=allow_http)
     overrides = with_device(with_like(settings, like), device)
-    return _make(STAGES, scenario, overrides, out, workplace, to=to, replace=replace, dry_run=dry_run)
+    return _make(STAGES, scenario, overrides, out, workplace, to=to, replace=replace, dry_run=dry_run, as_json=as_json)
 
 
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
@@ -252,6 +257,7 @@ def _make(
     to: "Destination | None" = None,
     replace: bool = False,
     dry_run: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Do one stage, or all of them for `release`, and return the exit code."""
     from pipeline.run_folder.losses import check_losses
@@ -265,11 +271,10 @@ def _make(
         check_installed("pybullet")
     batch = Batch.open(scenario, overrides, out, executor, report, renders=command != "simulate")
     if dry_run:
-        _print_plan(batch)
-    if "assemble" in stages:
-        check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace, dry_run=dry_run)
-    if dry_run:
+        _dry_run(batch, out, report, replace=replace, as_json=as_json)
         return 0
+    if "assemble" in stages:
+        check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
     if "render" in stages and batch.has_images:
         check_installed("bpy")
     failures = batch.simulated() if "simulate" not in stages else []
@@ -291,15 +296,24 @@ def _make(
     return code
 
 
-def _print_plan(batch: "Batch") -> None:
-    """Print what a release of these runs would take away, do and keep."""
-    from pipeline.run_folder.losses import losses_of
-    from pipeline.run_folder.status import run_status
+def _dry_run(batch: "Batch", out: Path, report: "Report", *, replace: bool, as_json: bool) -> None:
+    """Print what a release of these runs would take away, do and keep.
+
+    Raises:
+        InputError: Something would be lost, without `replace`; the JSON is not printed then.
+    """
+    from pipeline.json_results.release import ReleaseResult
+    from pipeline.run_folder.losses import check_losses, losses_of
+    from pipeline.run_folder.status import missing_lists, run_status
     from pipeline.run_folder.status_text import dry_run
 
-    runs = [run_status(batch.workspace, spec.key, spec) for spec in batch.specs]
-    for line in dry_run(runs, losses_of(batch.workspace, batch.loaded.tree, batch.specs)):
+    workspace, tree, specs = batch.workspace, batch.loaded.tree, batch.specs
+    runs, losses = [run_status(workspace, spec.key, spec) for spec in specs], losses_of(workspace, tree, specs)
+    for line in () if as_json else dry_run(runs, losses):
         typer.echo(line)
+    check_losses(workspace, tree, specs, report, replace=replace, dry_run=True)
+    if as_json:
+        typer.echo(ReleaseResult.of(str(out), runs, losses, has_lists=not missing_lists(workspace)).to_json())
 
 
 def _do_stages(

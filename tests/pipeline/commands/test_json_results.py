@@ -99,6 +99,52 @@ def test_what_a_scenario_would_make(result, tiny):
     assert document["bytes"] == sum(run["bytes"] for run in document["runs"])
 
 
+def test_a_dry_run_of_a_release_states_whether_there_is_anything_to_do(dataset, copy_of, result, symolo, tiny):
+    """The exit code is 0 in both cases."""
+    root = copy_of(dataset, stages=True)
+    release = ("release", "smoke", "--out", root, "--dry-run")
+    document = result(*release, *tiny)
+    assert (document["up_to_date"], document["would_do"], document["would_fail"]) == (True, {}, [])
+    assert document["would_keep"] == ["CW/test_1", "CCW/test_1"]
+    document = result(*release, *tiny, "--set", "seed=8")
+    assert (document["up_to_date"], document["exit_code"], document["would_keep"]) == (False, 0, [])
+    assert max(document["would_do"].values()) == 2
+    document = result(*release, *tiny, "--set", "name=other", "--replace")
+    assert (document["up_to_date"], document["would_lose"]["runs"]) == (False, ["CCW/test_1", "CW/test_1"])
+    refused = symolo(*release, *tiny, "--set", "name=other", "--json")
+    assert (refused.code, refused.out) == (2, "")
+    (root / "tagmanifest-sha256.txt").unlink()
+    assert result(*release, *tiny)["up_to_date"] is False
+    refused = symolo("release", "smoke", "--out", root, "--json")
+    assert (refused.code, refused.out, "--json is for --dry-run; add --dry-run" in refused.err) == (2, "", True)
+
+
+def test_an_export_and_its_dry_run(dataset, tmp_path, symolo):
+    arguments = ("export", dataset, "--format", "tum,hdf5", "--out", tmp_path / "out")
+    planned = json.loads(symolo(*arguments, "--dry-run", "--json").out)
+    assert not (tmp_path / "out").exists()
+    ended = symolo(*arguments, "--json")
+    document = json.loads(ended.out)
+    jsonschema.validate(document, result_json_schema("export"))
+    assert (ended.code, planned["written"], document["written"]) == (0, False, True)
+    assert document == {**planned, "written": True}
+    for part in document["formats"]:
+        files = [path for path in (tmp_path / "out" / part["format"]).rglob("*") if path.is_file()]
+        assert (part["files"], part["bytes"]) == (len(files), sum(path.stat().st_size for path in files))
+
+
+def test_the_errors_of_localisation(dataset, tmp_path, symolo):
+    ended = symolo("baselines", dataset, "--methods", "odometry,ekf", "--out", tmp_path / "out", "--json")
+    document = json.loads(ended.out)
+    jsonschema.validate(document, result_json_schema("baselines"))
+    assert (ended.code, document["command"], list(document["methods"])) == (0, "baselines", ["odometry", "ekf"])
+    numbers = json.loads((tmp_path / "out/baselines.json").read_text())["runs"]
+    assert len(document["errors"]) == sum(map(len, numbers.values())) == 4
+    for part in document["errors"]:
+        written = numbers[part["run"]][part["method"]]
+        assert {name: part[name] for name in written} == pytest.approx(written, abs=1e-6)
+
+
 def test_the_content_of_a_log(result):
     document = result("inspect", "table-1")
     assert (document["kind"], document["rows"]) == ("motor_steady", 21)

@@ -1,0 +1,63 @@
+"""The result of `symolo release --dry-run --json`."""
+
+from collections.abc import Sequence
+
+from pipeline.json_results.base import JsonPart, JsonResult
+from pipeline.run_folder.losses import Losses
+from pipeline.run_folder.status import RunStatus
+from pipeline.run_folder.status_text import reasons_of
+
+
+class LostPart(JsonPart):
+    runs: list[str]
+    """Released runs that would be removed or measured again."""
+    images: int
+    """Number of images that would be lost."""
+    annotations: list[str]
+    """Annotations that other images would lose."""
+    signature: bool
+    """Whether the signature would be lost."""
+
+
+class ReleaseResult(JsonResult):
+    """What `symolo release` would do with a scenario and an output folder; it needs --dry-run."""
+
+    command: str = "release"
+    """Name of the command."""
+    folder: str
+    """The output folder, as it was named."""
+    up_to_date: bool
+    """Whether every run is released from the present settings and nothing would be lost, so that nothing is to be
+    done."""
+    would_do: dict[str, int]
+    """Number of runs by what the release would do with them, and why."""
+    would_keep: list[str]
+    """Runs that are released from the present settings."""
+    would_fail: list[str]
+    """Runs that have failed from the present settings, and would fail again."""
+    would_lose: LostPart
+    """What the folder would lose, which needs --replace."""
+
+    @classmethod
+    def of(cls, folder: str, runs: Sequence[RunStatus], losses: Losses, *, has_lists: bool) -> "ReleaseResult":
+        """Return the result.
+
+        Args:
+            folder: The output folder.
+            runs: The runs of the scenario.
+            losses: What the folder would lose.
+            has_lists: Whether the folder has its lists of checksums.
+        """
+        return cls(
+            folder=folder,
+            up_to_date=all(run.done for run in runs) and not losses.text and has_lists,
+            would_do={reason: len(names) for reason, names in reasons_of(runs).items()},
+            would_keep=[run.run for run in runs if run.done],
+            would_fail=[run.run for run in runs if any(stage.has_failed for stage in run.stages)],
+            would_lose=LostPart(
+                runs=list(losses.runs),
+                images=losses.images,
+                annotations=list(losses.annotations),
+                signature=losses.signature,
+            ),
+        )
