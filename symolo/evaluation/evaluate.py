@@ -12,6 +12,7 @@ from symolo.evaluation.association import MAX_GAP_S, associated
 from symolo.evaluation.errors import Errors, errors_of
 from symolo.evaluation.estimate import Estimate, EstimatedTrajectory
 from symolo.evaluation.suspicions import check_units, suspicions
+from symolo.evaluation.variance_units import variance_suspicions
 from symolo.reader.run import Run
 
 
@@ -64,9 +65,11 @@ def evaluate_against(
     names = [choice.value for choice in Align]
     if align not in names:
         raise InputError("align", got=align, allowed=", ".join(names), nearest=nearest(align, names))
-    given = associated(trajectory, t_s, max_gap_s)
-    check_units(given, truth)
-    movement = alignment(Align(align), given, truth)
-    estimate = movement.applied(given)
-    warnings = tuple(suspicions(given, t_s, truth)) if align == Align.NONE else ()
+    associated_estimate = associated(trajectory, t_s, max_gap_s)
+    check_units(associated_estimate, truth)
+    movement = alignment(Align(align), associated_estimate, truth)
+    estimate = movement.applied(associated_estimate)
+    warnings: tuple[str, ...] = ()
+    if align == Align.NONE:
+        warnings = (*suspicions(estimate, t_s, truth), *variance_suspicions(estimate, truth))
     return Evaluation(estimate, errors_of(estimate, t_s, truth), movement, warnings)
