@@ -223,7 +223,7 @@ def release(
             "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers use the graphics cards alternately"
         )
     if as_json and not dry_run:
-        raise InputError("--json is for --dry-run", cure="add --dry-run; what a release contains is in its metadata.json")
+        raise InputError("--json is for --dry-run", cure="add --dry-run; metadata.json states what a release has")
     from pipeline.executors import chosen
 
     cluster = address if executor is ExecutorName.RAY else None
