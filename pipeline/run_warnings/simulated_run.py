@@ -5,6 +5,7 @@ from math import atan2, cos, degrees, pi, radians, sin
 
 import numpy as np
 
+from configs.schema.controller import Controller
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from physics.control.following import MAX_ERROR, follow
@@ -100,6 +101,14 @@ def _outside_the_body(robot: RobotConfig) -> Iterator[Suspicion]:
                 yield Suspicion(f"{place}.{field} outside", text)
 
 
+def _path_speeds(controller: Controller) -> Iterator[tuple[str, float]]:
+    """Yield the field and the speed [m/s] of each motion that follows no line or wall."""
+    yield "avoidance.speed_m_s", controller.avoidance.speed_m_s
+    if curves := controller.avoidance.curves:
+        yield "avoidance.curves.face.speed_m_s", curves.face.speed_m_s
+    yield "lost.speed_m_s", controller.lost.speed_m_s
+
+
 def _too_slow(robot: RobotConfig) -> Iterator[Suspicion]:
     """Yield a speed that the control law asks of a wheel and that its motor does not reach even without load."""
     motor, half_track_m = MotorModel.from_config(robot.motor), 0.5 * robot.drive.track_m
@@ -107,17 +116,18 @@ def _too_slow(robot: RobotConfig) -> Iterator[Suspicion]:
     reached_m_s = 0.5 * robot.drive.wheel_diameter_m * motor.steady_state(voltage_V)[1]
     laws = {"line": robot.controller.line, "wall.gains": robot.controller.wall.gains}
     commanded = [
-        (float(np.dot(follow(error, law), (1.0, half_track_m))), error, place)
+        (float(np.dot(follow(error, law), (1.0, half_track_m))), place, f" at an error of {error:g}")
         for place, law in laws.items()
         for error in (0.0, MAX_ERROR)
     ]
-    commanded_m_s, error, place = max(commanded)
+    commanded += [(speed_m_s, place, "") for place, speed_m_s in _path_speeds(robot.controller)]
+    commanded_m_s, place, at_error = max(commanded)
     if commanded_m_s > reached_m_s:
         diameter_m = robot.drive.wheel_diameter_m
         larger = 2.0 * diameter_m
         radius = f"; if wheel_diameter_m is the radius, write {larger:g}" if commanded_m_s <= 2.0 * reached_m_s else ""
         text = (
-            f"robot.controller.{place} asks a wheel for {commanded_m_s:.2g} m/s at an error of {error:g}, and the"
+            f"robot.controller.{place} asks a wheel for {commanded_m_s:.2g} m/s{at_error}, and the"
             f" motors reach {reached_m_s:.2g} m/s at {voltage_V:g} V with wheels of {diameter_m:g} m without load: the"
             f" robot is slower than that, and may cut bends{radius}"
         )

@@ -50,6 +50,10 @@ USUAL = (
     UsualRange(r"look\.(\w+\.)+hue_deg", 1.0, 360.0, "the hue is red, which is 0", "turns", 360.0),
 )
 """Usual numbers by field. They are far from those of the shipped files, and of what is sold for small robots."""
+MAX_LINE_SENSOR_M = 0.0095
+"""Largest distance from the floor that the data sheet of the QTR line sensors recommends."""
+MAX_MAST = 5.0
+"""Largest height of a camera above the body, relative to the body's length or width, that is usual."""
 MIN_CAMERA_HZ = 0.5
 MAX_INERTIA = 50.0
 """Largest inertia of a rotor, relative to that of the robot's mass at the wheels' radius."""
@@ -63,6 +67,7 @@ def unusual_settings(spec: RunSpec) -> Iterator[Suspicion]:
                 yield _beyond(field, value, usual.meaning, f"it is in {usual.unit}", value * usual.per)
     yield from _rare_images(spec)
     yield from _unusual_body(spec)
+    yield from _unusual_heights(spec)
     yield from _large_effects(spec)
 
 
@@ -94,6 +99,19 @@ def _unusual_body(spec: RunSpec) -> Iterator[Suspicion]:
     if inertia > MAX_INERTIA * robot_kg_m2 and "robot.motor.rotor_inertia_kg_m2" not in spec.drawn:
         meaning = f"a rotor resists as if the robot were {1.0 + inertia / robot_kg_m2:.0f} times as heavy"
         yield _beyond("robot.motor.rotor_inertia_kg_m2", inertia, meaning, "it is in kg cm2", 1e-4 * inertia)
+
+
+def _unusual_heights(spec: RunSpec) -> Iterator[Suspicion]:
+    """Yield a line sensor that is too far from the floor, and a camera that is far above the body."""
+    field, height_m = "robot.line_sensor.height_m", spec.robot.line_sensor.height_m
+    if height_m > MAX_LINE_SENSOR_M and field not in spec.drawn:
+        meaning = f"the line sensor is farther from the floor than the {1e3 * MAX_LINE_SENSOR_M:g} mm of its data sheet"
+        yield Suspicion(f"{field} unusual", f"{field} {height_m:g} means that {meaning}")
+    field, height_m = "robot.camera.height_above_base_m", spec.robot.camera.height_above_base_m
+    size_m = max(spec.robot.chassis.length_m, spec.robot.chassis.width_m)
+    if height_m > MAX_MAST * size_m and field not in spec.drawn:
+        meaning = f"the camera is {height_m:g} m above a body of {size_m:g} m"
+        yield Suspicion(f"{field} unusual", f"{field} {height_m:g} means that {meaning}")
 
 
 def _large_effects(spec: RunSpec) -> Iterator[Suspicion]:

@@ -44,6 +44,13 @@ def warnings_of(*settings):
         ("robot.motor.rotor_inertia_kg_m2=1", "as if the robot were 1053 times as heavy; if it is in kg cm2, write "),
         ("robot.drive.track_m=0.07", "if it is the distance of a wheel from the middle, write track_m: 0.14"),
         ("robot.drive.wheel_diameter_m=0.0325", "may cut bends; if wheel_diameter_m is the radius, write 0.065"),
+        # (6 V - R Tc / K) / (K + R B / K) = 17.4 rad/s at wheels of 32.5 mm.
+        (
+            "robot.controller.avoidance.speed_m_s=1.5",
+            "avoidance.speed_m_s asks a wheel for 1.5 m/s, and the motors reach 0.57 m/s at 6 V with wheels of 0.065 m",
+        ),
+        ("robot.line_sensor.height_m=0.03", "line sensor is farther from the floor than the 9.5 mm of its data sheet"),
+        ("robot.camera.height_above_base_m=1.2", "means that the camera is 1.2 m above a body of 0.18 m"),
         (
             "robot.effects.wheel_radius_asymmetry.asymmetry=0.6",
             "for two wheels of the same type, one per cent is much; if it is in per cent, write asymmetry: 0.006",
@@ -74,6 +81,9 @@ def test_a_number_in_another_unit_is_named_with_the_number_to_write(setting, end
         "rates.camera_hz=0.5",
         "robot.motor.rotor_inertia_kg_m2=0.02",
         "robot.drive.track_m=0.1",
+        "robot.controller.avoidance.speed_m_s=0.5",
+        "robot.line_sensor.height_m=0.009",
+        "robot.camera.height_above_base_m=0.8",
         "robot.effects.wheel_radius_asymmetry.asymmetry=0.1",
         "robot.effects.wheel_radius_asymmetry.asymmetry={uniform: [0.5, 0.6]}",
     ],
