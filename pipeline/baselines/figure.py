@@ -17,7 +17,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE
 
 MAX_RUNS = 8
 """Number of runs in the figure; more would not fit on a page."""
-_STYLES = {
+STYLES = {
     "odometry": (VERMILION, "--"),
     "ekf": (BLUE, "-"),
     "particles": (GREEN, "-."),
@@ -28,8 +28,8 @@ _STYLES = {
     "stereo": (GREY, "-"),
 }
 """Colour and line style of each method; an empty style stands for points."""
-_OTHER_STYLES = ((BLACK, ":"), (BLACK, "-."), (VERMILION, ":"), (BLUE, ":"), (GREEN, ":"), (PURPLE, ":"))
-"""Colours and line styles of other methods, in turn."""
+OTHER_STYLES = ((PURPLE, "--"), (ORANGE, "--"), (SKY, "-."), (GREY, "-."), (PURPLE, ":"), (BLUE, ":"), (GREEN, ":"))
+"""Colours and line styles of other methods, in turn; none is black, as the truth is."""
 
 
 class PlainNumbers(LogFormatter):
@@ -48,9 +48,9 @@ def figure(compared: BaselineComparison) -> bytes:
         _map(floor, run.arena)
         floor.plot(*run.truth[:, :2].T, color=BLACK, linewidth=2.4, label="truth")
         floor.plot(*run.truth[0, :2], "o", color=BLACK, markersize=6)
-        others = cycle(_OTHER_STYLES)
+        others = cycle(OTHER_STYLES)
         for method in compared.methods:
-            _method(compared, run, method, _STYLES.get(method.name) or next(others), (floor, place, turn))
+            _method(compared, run, method, STYLES.get(method.name) or next(others), (floor, place, turn))
         low, high = run.truth[:, :2].min(axis=0) - 0.3, run.truth[:, :2].max(axis=0) + 0.3
         floor.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         for error in (place, turn):

@@ -3,7 +3,15 @@
 import pytest
 from matplotlib.figure import Figure
 
-from pipeline.baselines.figure import PlainNumbers
+from pipeline.baselines.figure import OTHER_STYLES, STYLES, PlainNumbers
+from symolo.pages.plotting import BLACK
+
+
+def test_every_method_is_told_apart_from_the_truth_and_from_the_others():
+    """The truth is a black line, which dots and dashes in black hide in."""
+    styles = [*STYLES.values(), *OTHER_STYLES]
+    assert len(set(styles)) == len(styles)
+    assert BLACK not in {colour for colour, _ in styles}
 
 
 @pytest.mark.parametrize(
