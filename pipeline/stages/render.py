@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import ClassVar
 
 from blender_scenes.annotations.job import AnnotationJob
@@ -47,7 +46,6 @@ from symolo.dataset.tables.camera_rows import path_of
 from symolo.dataset.tables.rows import Rows
 
 INPUTS = "inputs.json"
-NOTHING: Mapping[int, str] = MappingProxyType({})
 
 OnComplete = Callable[[str], None]
 
@@ -128,11 +126,11 @@ class FrameTask(ABC):
         user_files: Path | None = None,
         *,
         camera: str = "",
-        inside: Mapping[int, str] = NOTHING,
+        inside: Mapping[int, str] | None = None,
     ) -> "FrameJob":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return FrameJob(cls(run, folder, digest, frames, job.sampling, user_files, camera, inside), text)
+        return FrameJob(cls(run, folder, digest, frames, job.sampling, user_files, camera, inside or {}), text)
 
     @property
     def name(self) -> str:
