@@ -143,7 +143,7 @@ def _tried(evidence: Evidence, fit: HypothesisFit, forms: Iterable[LawForm]) -> 
         tried += zip(tries, hypothesis.robots(starts), strict=True)
     for begin in range(0, len(tried), AT_ONCE):
         some, robots = zip(*tried[begin : begin + AT_ONCE], strict=True)
-        mean = evidence.predicted(robots).moved(fit.local_change).mean
+        mean = evidence.predicted(robots).moved(fit.whitened_change).mean
         change = (mean - before) / fit.sd
         yield list(some), np.where(evidence.fit & np.isfinite(change), change, 0.0)
 

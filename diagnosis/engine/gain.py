@@ -61,7 +61,7 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
         return EngineComparison((), (), why_not=why_not)
     gains, extended_means, path = [], [], None
     for engine, stage in _engines(measurement, nominal):
-        evidence = Evidence([stage])
+        evidence = Evidence([stage]).as_measured()
         try:
             mean = evidence.predicted([nominal, extended]).mean
         except InputError as error:

@@ -64,6 +64,7 @@ def gain(
     """
     if not evidence.heldout.any():
         return None
+    evidence = evidence.as_measured()
     prediction = evidence.predicted([nominal, extended])
     both = [prediction.some([k]).moved(change).mean for k, change in enumerate(changes)]
     return gain_of(evidence, np.concatenate(both))

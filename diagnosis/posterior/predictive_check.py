@@ -85,7 +85,7 @@ def predictive_check(diagnosis: Diagnosis, draws: int = DRAWS) -> tuple[CheckedS
     """
     evidence, fit = diagnosis.evidence, diagnosis.fit
     rng = stream(0, "posterior predictive check")
-    middle = evidence.predicted([fit.robot]).moved(fit.local_change)
+    middle = evidence.predicted([fit.robot]).moved(fit.whitened_change)
     sd = middle.sd[0] * fit.noise.levels[evidence.quantity]
     mean = np.concatenate([*_drawn_means(diagnosis, draws, rng)])
     replicated = mean + sd * _noise(fit, len(mean), rng)
@@ -102,7 +102,11 @@ def _drawn_means(diagnosis: Diagnosis, draws: int, rng: np.random.Generator) -> 
     for fit, count in zip(fits, counts.tolist(), strict=True):
         if count:
             hypothesis, x = fit.hypothesis, _coordinates(fit, count, rng)
-            yield diagnosis.evidence.predicted(hypothesis.robots(x)).moved(hypothesis.local_change(x)).mean
+            yield (
+                diagnosis.evidence.predicted(hypothesis.robots(x))
+                .moved(diagnosis.evidence.whitened(hypothesis.local_change(x)))
+                .mean
+            )
 
 
 def _coordinates(fit: HypothesisFit, count: int, rng: np.random.Generator) -> Array:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
+from diagnosis.predictors.count_noise import CountNoise
 from diagnosis.predictors.early_voltages import EarlyVoltages
 from diagnosis.predictors.turning_response import TurningResponse
 from symolo.core.arrays import Array
@@ -131,6 +132,8 @@ class Observed:
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
+    count_noise: CountNoise | None = field(default=None, compare=False, repr=False)
+    """Noise of speeds that are computed from counts; None if the noise is that of `sd` and `correlation` alone."""
     early: EarlyVoltages | None = None
     """Responses to voltages that act before they are logged; None if the quantity follows no voltage."""
     is_state: Mask | None = None

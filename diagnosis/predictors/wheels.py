@@ -1,9 +1,9 @@
 """Voltages -> mean speeds of both wheels between rows, as counted by the encoders."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from math import pi
+from math import exp, pi
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.count_noise import CountNoise
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
 from diagnosis.predictors.early_voltages import (
@@ -48,6 +49,8 @@ UNSTATED_RAD_S = 0.05
 """Noise if it is not stated."""
 PARTS_OF_ROW = (1, 2, 4, 8, 16)
 """Numbers of parts into which a row may be divided if its voltage changes within it; the last is taken as exact."""
+MIN_INERTIA_KG_M2 = 1e-12
+"""Least inertia; a motor without inertia follows its voltage at once."""
 ERROR_SHARE = 0.1
 """Error by the division that does not matter, as a share of the noise."""
 
@@ -75,10 +78,31 @@ class Wheels:
         if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
         early = self._early_voltages(measurement, nominal)
-        self.observed: tuple[Observed, ...] = tuple(
+        observed = (
             replace(self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S), early=each)
             for side, speed, set_speed, each in zip(SIDES, speeds, set_speeds, early, strict=True)
         )
+        kept = self._kept_speeds(nominal)
+        self.observed: tuple[Observed, ...] = tuple(
+            replace(each, count_noise=self._count_noise(each, keep)) for each, keep in zip(observed, kept, strict=True)
+        )
+
+    def _kept_speeds(self, nominal: RobotConfig) -> Iterator[float]:
+        """Yield the share of its speed that each wheel keeps from row to row without a voltage."""
+        motors = RobotModel.from_config(nominal).motors
+        for motor in (motors.left, motors.right):
+            inertia = float(motor.inertia_kg_m2 + self._load.inertia_kg_m2)
+            yield exp(-self._grid.period_s * motor.damping_N_m_s_rad / max(inertia, MIN_INERTIA_KG_M2))
+
+    def _count_noise(self, observed: Observed, keep: float) -> CountNoise:
+        lasts_s = np.full(len(observed.values), self._grid.period_s)
+        lasts_s[self._first] = self._lasts_s
+        # The error of a rounded count is even, and there are two of them in each speed.
+        rounding = 2.0 * pi / self._counts / lasts_s / np.sqrt(6.0)
+        goes_on = np.zeros(len(rounding), dtype=bool)
+        # No row of the fit is compared with what held-out rows show.
+        goes_on[1:] = (np.diff(observed.trial) == 0) & (np.diff(observed.holdout.astype(int)) == 0)
+        return CountNoise.of(rounding, goes_on, observed.usable, keep, float(np.median(observed.sd)))
 
     def _early_voltages(self, measurement: Measurement, nominal: RobotConfig) -> tuple[EarlyVoltages, ...]:
         """Return the responses of the left and the right wheel to voltages that act before they are logged."""

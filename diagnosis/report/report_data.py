@@ -120,6 +120,7 @@ def report_data(
         InputError: The dataset or the measurement is no drive.
     """
     evidence, measured, nominal = diagnosis.evidence, diagnosis.measured, diagnosis.selection.nominal
+    measured = measured.as_measured()
     prediction = measured.predicted((diagnosis.nominal, nominal.robot, diagnosis.extended))
     changes = (0.0, nominal.local_change, diagnosis.fit.local_change)
     means = [mean + change for mean, change in zip(prediction.mean, changes, strict=True)]

@@ -5,6 +5,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Observed, Stage
+from diagnosis.predictors.count_noise import Whitening
 from symolo.core.arrays import Array
 
 MIN_NOISE = 1e-3
@@ -28,6 +30,8 @@ class EstimatedNoise:
     correlation: float
     early_share: float = 0.0
     """Standard deviation of the share of a change of the voltage that acts before it is logged (`EarlyVoltages`)."""
+    torque: float | None = None
+    """Standard deviation of a speed by a random torque (`CountNoise`); None if it is as stated."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,12 @@ class Evidence:
         self.observed: tuple[Observed, ...] = tuple(observed for stage in stages for observed in stage.observed)
         self.counts = [len(observed.values) for observed in self.observed]
         """Number of samples of each observed quantity."""
-        self.values = np.concatenate([observed.values for observed in self.observed])
+        self.readings = np.concatenate([observed.values for observed in self.observed])
+        """(N,), readings as they were measured."""
+        self.whitenings = [self._whitening_of(observed) for observed in self.observed]
+        """Filter of each observed quantity that makes its noise independent; None where it is so already."""
+        self.values = self.whitened(self.readings)
+        """(N,), readings with independent noise, to which predictions are compared."""
         self.sd = np.concatenate([self._sd_of(observed, observed.sd) for observed in self.observed])
         """(N,), standard deviation of the noise by the nominal robot."""
         holdout = np.concatenate([observed.holdout for observed in self.observed])
@@ -122,7 +131,8 @@ class Evidence:
     def with_noises(self, noises: Mapping[str, EstimatedNoise]) -> "Evidence":
         """Return the same evidence with other estimated noises."""
         others = Evidence(self.stages, noises)
-        others.values = self.values
+        others.readings = self.readings
+        others.values = others.whitened(self.readings)
         others.on_predicted, others.on_fits = self.on_predicted, self.on_fits
         return others
 
@@ -130,8 +140,36 @@ class Evidence:
         """Return the same evidence with an error (N,), in the units of the samples, taken out of what was measured."""
         others = copy(self)
         others.memo = {}
-        others.values = self.values - error
+        others.readings = self.readings - error
+        others.values = others.whitened(others.readings)
         return others
+
+    @overload
+    def whitened(self, samples: Array) -> Array: ...
+    @overload
+    def whitened(self, samples: Array | float) -> Array | float: ...
+    def whitened(self, samples: Array | float) -> Array | float:
+        """Return readings (..., N), or changes of them, as samples with independent noise; 0 for no change."""
+        if all(whitening is None for whitening in self.whitenings) or np.ndim(samples) == 0:
+            return samples
+        result = np.array(samples)
+        for place, whitening in zip(self.places, self.whitenings, strict=True):
+            if whitening is not None:
+                result[..., place] = whitening.of(result[..., place])
+        return result
+
+    def as_measured(self) -> "Evidence":
+        """Return the same evidence with the readings themselves, whose noise may be dependent."""
+        others = copy(self)
+        others.memo = {}
+        others.whitenings = [None] * len(self.observed)
+        others.values = self.readings
+        return others
+
+    def unwhitened(self, number: int, residuals: Array) -> Array:
+        """Return residuals (n,) of the samples of one quantity in sigmas as those of its readings."""
+        whitening = self.whitenings[number]
+        return residuals if whitening is None else whitening.undone(residuals)
 
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
@@ -141,13 +179,14 @@ class Evidence:
         first = 0
         for stage in self.stages:
             places = self.places[first : first + len(stage.observed)]
-            first += len(stage.observed)
+            start, first = first, first + len(stage.observed)
             for begin in range(0, len(robots), stage.at_once):
                 batch = slice(begin, begin + stage.at_once)
-                for observed, place, predicted in zip(
-                    stage.observed, places, stage.predict(robots[batch]), strict=True
+                for number, (observed, place, predicted) in enumerate(
+                    zip(stage.observed, places, stage.predict(robots[batch]), strict=True), start
                 ):
-                    mean[batch, place] = predicted.mean
+                    whitening = self.whitenings[number]
+                    mean[batch, place] = predicted.mean if whitening is None else whitening.of(predicted.mean)
                     sd[batch, place] = self._sd_of(observed, predicted.sd)
                     if predicted.by_tolerances is not None:
                         by_tolerances[batch] += predicted.by_tolerances
@@ -157,6 +196,13 @@ class Evidence:
         """Return whether the noise of a quantity includes that of voltages which act before they are logged."""
         noise = self.noises.get(observed.name)
         return observed.early is not None and noise is not None and noise.early_share > 0.0
+
+    def _whitening_of(self, observed: Observed) -> Whitening | None:
+        if observed.count_noise is None:
+            return None
+        noise = self.noises.get(observed.name)
+        torque = None if noise is None else noise.torque
+        return observed.count_noise.whitening(observed.count_noise.torque if torque is None else torque)
 
     def _sd_of(self, observed: Observed, sd: Array) -> Array:
         """Return the standard deviations (..., n) of a quantity with its estimated noise, from those of its stage."""

@@ -8,6 +8,9 @@ If the source states the level but not the correlation, only the correlation is 
 autocorrelations of the residuals without their running mean, up to the first that is negligible (Geyer, Stat. Sci. 7
 (1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p). The rows of a sweep are no series
 and have no correlation.
+
+The noise of speeds that are computed from counts has a form of its own (`diagnosis.predictors.count_noise`), of which
+the level of a random torque is estimated. The correlation is what this form leaves.
 """
 
 from dataclasses import replace
@@ -17,9 +20,11 @@ from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.likelihood import LEVEL_SD
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
+from diagnosis.predictors.count_noise import CountNoise
 from symolo.core.arrays import Array
 
 ROWS_FOR_CORRELATION = 60
@@ -32,6 +37,10 @@ MAX_LAG = 12
 MIN_AUTOCORRELATION = 0.03
 """Autocorrelation below which the sum ends."""
 MAX_CORRELATION = 0.9
+NOISES = (0.5, 2.0)
+"""Least and greatest noise of a speed that is computed from counts, relative to what is stated."""
+TORQUES = 24
+"""Number of levels of the random torque that are tried."""
 
 
 def is_open(quantity: Observed) -> bool:
@@ -47,9 +56,19 @@ def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         if not is_open(quantity) or np.count_nonzero(rows) < MIN_ROWS:
             continue
         # Residuals in sigmas of the noise that was estimated before, without the level that the fit found.
-        noise = _estimated(quantity, rows, fit.z[place] * fit.noise.levels[k])
+        z = fit.z[place] * fit.noise.levels[k]
+        if quantity.count_noise is None:
+            noise = _estimated(quantity, rows, z)
+        else:
+            residuals = quantity.count_noise.stated * evidence.unwhitened(k, z)
+            noise = of_torque(quantity.count_noise, residuals, rows, quantity.trial)
         before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
-        noises[quantity.name] = replace(before, factor=noise.factor * before.factor, correlation=noise.correlation)
+        noises[quantity.name] = replace(
+            before,
+            factor=noise.factor * before.factor,
+            correlation=noise.correlation,
+            torque=noise.torque,
+        )
     return evidence.with_noises(noises)
 
 
@@ -67,6 +86,29 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
     # The variance of second differences of white noise is 1 + 4 + 1 times its own.
     level = np.sqrt(trimmed_variance(bends) / 6.0) if len(bends) else float(np.std(z))
     return EstimatedNoise(max(float(level), 1e-9), 0.0)
+
+
+def of_torque(noise: CountNoise, residuals: Array, rows: Mask, trial: NDArray[np.int64]) -> EstimatedNoise:
+    """Return the level of the random torque with the greatest likelihood, and the correlation that is left with it.
+
+    Args:
+        noise: The noise of speeds that are computed from counts.
+        residuals: (n,), residuals of the speeds.
+        rows: (n,), rows of the fit.
+        trial: (n,), trial of each row.
+    """
+    best: tuple[float, float, Array] | None = None
+    for torque in noise.torques(*NOISES, TORQUES).tolist():
+        whitening = noise.whitening(torque)
+        z = np.where(rows, np.clip(whitening.of(residuals) / noise.stated, -CLIP, CLIP), np.nan)
+        level = float(np.hypot(torque, np.median(noise.rounding))) / noise.stated
+        costs = z**2 + 2.0 * np.log(whitening.predicted_sd / noise.stated)
+        cost = float(np.nansum(costs)) + (np.log(level) / LEVEL_SD) ** 2
+        if best is None or cost < best[0]:
+            best = cost, torque, z
+    if best is None:
+        raise AssertionError("a level of the torque is tried")
+    return EstimatedNoise(1.0, lasting(best[2], trial), torque=best[1])
 
 
 def lasting(z: Array, trial: NDArray[np.int64]) -> float:

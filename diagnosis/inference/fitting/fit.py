@@ -89,8 +89,13 @@ class HypothesisFit:
 
     @property
     def local_change(self) -> Array | float:
-        """Return the change (N,) of the samples by all that is no property of the robot."""
+        """Return the change (N,) of the readings by all that is no property of the robot."""
         return self.hypothesis.local_change(self.x)
+
+    @property
+    def whitened_change(self) -> Array | float:
+        """Return the same change of the samples."""
+        return self.evidence.whitened(self.local_change)
 
     @property
     def prior_cost(self) -> float:
@@ -377,4 +382,8 @@ def _predicted(states: Sequence[_State], requests: Sequence[tuple[Hypothesis, Ar
     batch = states[0].contest.evidence.predicted(robots)
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
     parts = [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]
-    return [part.moved(hypothesis.local_change(x)) for part, (hypothesis, x) in zip(parts, requests, strict=True)]
+    evidence = states[0].contest.evidence
+    return [
+        part.moved(evidence.whitened(hypothesis.local_change(x)))
+        for part, (hypothesis, x) in zip(parts, requests, strict=True)
+    ]

@@ -45,7 +45,7 @@ def _is_flat(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) ->
     if not len(x):
         return False
     hypothesis = fit.hypothesis
-    prediction = evidence.predicted(hypothesis.robots(x)).moved(hypothesis.local_change(x))
+    prediction = evidence.predicted(hypothesis.robots(x)).moved(evidence.whitened(hypothesis.local_change(x)))
     prior = hypothesis.prior(x)
     if has_noise_effect(hypothesis):
         has_own_level = with_own_level(evidence, hypothesis, fit.spreads)

@@ -70,7 +70,7 @@ def seen_ranges(
 
 def predicted_readings(evidence: Evidence, fit: HypothesisFit) -> dict[str, Array]:
     """Return the predictions (n,) of each observed quantity by a fit."""
-    mean = evidence.predicted([fit.robot]).moved(fit.local_change).mean[0]
+    mean = evidence.as_measured().predicted([fit.robot]).moved(fit.local_change).mean[0]
     return {observed.name: mean[place] for observed, place in zip(evidence.observed, evidence.places, strict=True)}
 
 

@@ -129,10 +129,10 @@ def _rigid(evidence: Evidence, fit: HypothesisFit) -> _Rigid:
     hypothesis = fit.hypothesis
     effects = tuple(effect for effect in hypothesis.effects if effect.kind.slot is not Slot.GEARBOX)
     if len(effects) == len(hypothesis.effects):
-        return _Rigid(fit, fit.local_change)
+        return _Rigid(fit, fit.whitened_change)
     rigid = replace(hypothesis, effects=effects)
     other = at(evidence, rigid, moved(fit.x, hypothesis, rigid))
-    change = other.local_change + other.z * other.sd - fit.z * fit.sd
+    change = other.whitened_change + other.z * other.sd - fit.z * fit.sd
     slopes = other.slopes * other.sd / fit.sd
     return _Rigid(replace(other, z=fit.z, lost=fit.lost, sd=fit.sd, noise=fit.noise, slopes=slopes), change)
 
@@ -312,7 +312,7 @@ def _limits(evidence: Evidence, effect: CandidateEffect, coordinate: Coordinate)
     unit = effect.kind.parameters()[coordinate.name].unit
     shares = CEILINGS if coordinate.is_ceiling else FLOORS
     of_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
-    sizes = np.abs(evidence.values[of_unit & evidence.fit])
+    sizes = np.abs(evidence.readings[of_unit & evidence.fit])
     levels = np.quantile(sizes[sizes > 0.0], shares) if (sizes > 0.0).any() else np.zeros(0)
     values = [coordinate.coordinate(level) for level in np.unique(levels).tolist()] or [coordinate.start]
     return [x for x in values if coordinate.low <= x <= coordinate.high]

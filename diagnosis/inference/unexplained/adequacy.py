@@ -183,7 +183,8 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
 def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterator[Structure]:
     """Yield the outliers of a quantity that gather along each covariate, where there are any."""
     quantity, place = evidence.observed[number], evidence.places[number]
-    rows, z = evidence.fit[place], tangents.z[place]
+    # Outliers are readings. What a motor does for a row lasts longer in its speed, unlike an error of the logger.
+    rows, z = evidence.fit[place], evidence.unwhitened(number, tangents.z[place])
     for rank, covariate in enumerate(quantity.covariates):
         found = cluster(z, covariate, rows, quantity.trial if quantity.is_series else None)
         if found is None:

@@ -40,7 +40,7 @@ def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]
         if not (in_row & evidence.fit).any():
             continue
         (refit,) = fits(evidence.with_rows(fit=evidence.fit & ~in_row), [(fit.hypothesis, fit.x)])
-        mean = evidence.predicted([refit.robot]).mean[0] + refit.local_change
+        mean = evidence.predicted([refit.robot]).mean[0] + refit.whitened_change
         residuals = np.where(evidence.fit, evidence.values - mean, np.nan)
         errors[:, row] = [residuals[place][row] for place in evidence.places]
     return {

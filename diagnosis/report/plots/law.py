@@ -23,7 +23,7 @@ def law_plot(data: ReportData, law: DiscoveredLaw) -> bytes:
     Everything else is as fitted with the law. The grey area is where it was seen.
     """
     diagnosis = data.diagnosis
-    evidence, fit = diagnosis.evidence, diagnosis.fit
+    evidence, fit = diagnosis.evidence.as_measured(), diagnosis.fit
     bare = fit.robot.model_copy(update={"effects": fit.robot.effects.without(law.name)})
     with_law, without = evidence.predicted([fit.robot, bare]).mean + fit.local_change
     usable = evidence.fit | evidence.heldout

@@ -17,7 +17,7 @@ def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
     They are those in which the structure was detected, without the random drift of a range sensor, and without a law
     that was discovered afterwards.
     """
-    evidence = data.diagnosis.evidence
+    evidence = data.diagnosis.evidence.as_measured()
     k = [observed.name for observed in evidence.observed].index(structure.observed)
     observed, place = evidence.observed[k], evidence.places[k]
     covariate = next(c for c in observed.covariates if c.name == structure.covariate)
