@@ -44,9 +44,12 @@ def together(cases: Sequence[Measurement]) -> Measurement:
             two cases state different ones.
     """
     for case in cases:
-        if case.kind not in ORDER or case.nominal is None:
-            cure = "name cases with a nominal.yaml"
-            raise InputError("cannot be fitted together with others", where=case.where, got=case.kind, cure=cure)
+        if case.kind not in ORDER:
+            allowed = ", ".join(ORDER)
+            raise InputError("cannot be fitted together with others", where=case.where, got=case.kind, allowed=allowed)
+        if case.nominal is None:
+            cure = "name cases with a nominal.yaml; for runs of a dataset, name its folder, which is one case"
+            raise InputError("has no nominal.yaml, so it cannot be fitted together", where=case.where, cure=cure)
     _check_alike(cases)
     # One session has no other to be compared with, and then an angle of the tracked body is an effect.
     drives = [case for case in cases if case.kind in DRIVES]

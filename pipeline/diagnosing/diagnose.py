@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,26 +49,32 @@ class NamedCase:
 
 
 def cases_of(paths: Sequence[Path]) -> list[NamedCase]:
-    """Return the cases with their names.
+    """Return the cases with their names; runs of one number also have the names of their routes, such as CW-test_1.
 
     Raises:
         InputError: Two of them would go into one folder.
     """
+    counts = Counter(_name(path).lower() for path in paths)
     cases: dict[str, NamedCase] = {}
     for path in paths:
-        case = NamedCase(path, _name(path))
+        name = _name(path)
+        case = NamedCase(path, name if counts[name.lower()] == 1 else f"{_folder(path).parent.name}-{name}")
         other = cases.setdefault(case.name.lower(), case)
         if other is not case:
             cure = "diagnose them into two folders"
-            raise InputError(f"another case has the name {case.name}: {other.path}", where=str(path), cure=cure)
+            raise InputError(f"another case has the name {name}: {other.path}", where=str(path), cure=cure)
     return list(cases.values())
 
 
-def _name(path: Path) -> str:
+def _folder(path: Path) -> Path:
+    """Return the folder of a case, or the file if that has a name of its own."""
     whole = path.absolute()
-    if whole.name in {DATA, NOMINAL}:
-        return whole.parent.name
-    name = whole.stem if path.is_file() else whole.name
+    return whole.parent if whole.name in {DATA, NOMINAL} else whole
+
+
+def _name(path: Path) -> str:
+    folder = _folder(path)
+    name = folder.stem if folder.is_file() else folder.name
     return f"{name}_" if name in {"", STAGES} else name
 
 

@@ -2,12 +2,13 @@
 
 import json
 import shutil
+from pathlib import Path
 
 import pytest
 
 from configs.loader import load_scenario
 from diagnosis.progress import Phase
-from pipeline.diagnosing.diagnose import NamedCase
+from pipeline.diagnosing.diagnose import NamedCase, cases_of
 from pipeline.diagnosing.table import diagnosis_table
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
 from pipeline.work.worker_main import diagnose_case, do
@@ -111,20 +112,30 @@ BAD = {
     "no such part": (["HERE/plain", "--part", "left wheel", "--out", "OUT"], "no trial is of that part"),
     "one case together": (["HERE/plain", "--together", "--out", "OUT"], "name two or more cases of the same robot"),
     "a bad case together": (["HERE/plain", "HERE/broken", "--together", "--out", "OUT"], "row 6: column sweep"),
+    "runs of a dataset together": (
+        ["DATASET/CW/test_1", "DATASET/CCW/test_1", "--together", "--out", "OUT"],
+        "CW/test_1/data.csv: has no nominal.yaml, so it cannot be fitted together; name cases with a nominal.yaml; for",
+    ),
     "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "give one of them"),
 }
 
 
 @pytest.mark.parametrize("kind", BAD)
-def test_bad_input_is_one_line_and_nothing_is_written(kind, symolo, benches, tmp_path):
+def test_bad_input_is_one_line_and_nothing_is_written(kind, symolo, benches, dataset, tmp_path):
     arguments, said = BAD[kind]
-    placed = [a.replace("HERE", str(benches)).replace("OUT", str(tmp_path / "out")) for a in arguments]
+    places = {"HERE": benches, "OUT": tmp_path / "out", "DATASET": dataset}
+    placed = [next((a.replace(word, str(at)) for word, at in places.items() if word in a), a) for a in arguments]
     ended = symolo("diagnose", *placed)
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith("symolo: ")
     assert ended.err.count("\n") == 1
     assert said in ended.err
     assert not (tmp_path / "out").exists()
+
+
+def test_runs_of_one_number_have_the_names_of_their_routes():
+    names = [case.name for case in cases_of([Path("data/CW/test_1"), Path("data/CCW/test_1"), Path("bench/data.csv")])]
+    assert names == ["CW-test_1", "CCW-test_1", "bench"]
 
 
 def unit(tmp_path, *, alone):
