@@ -11,7 +11,7 @@ from logs.trajectories.path_direction import (
     chords,
     turn_to_path,
 )
-from logs.wrapped_angles import BEYOND_RAD, LEAST_WRAP_DEG, TURN_RAD
+from logs.wrapped_angles import BEYOND_RAD, MIN_WRAP_DEG, TURN_RAD
 from symolo.core.arrays import Array
 
 FASTEST_TURN_RAD_S = 12.0
@@ -77,7 +77,7 @@ def _unit_of_values(t_s: Array, heading: Array) -> tuple[str, str]:
     largest, steps = float(np.abs(heading).max()), np.abs(np.diff(heading))
     if largest > BEYOND_RAD:
         # Steps of some degrees may be as large as a turn in radians, so a jump by 360 decides first.
-        if np.any(steps > LEAST_WRAP_DEG):
+        if np.any(steps > MIN_WRAP_DEG):
             return "degrees", f"since the values jump by {steps.max():.4g}"
         if abs(float(heading[0])) > BEYOND_RAD:
             return "degrees", f"since the values begin at {heading[0]:.4g}"

@@ -9,7 +9,7 @@ from symolo.core.arrays import Array
 TURN_RAD = 2.0 * math.pi
 BEYOND_RAD = TURN_RAD + 0.5
 """Largest value of a wrapped heading in its own unit of radians, with a margin."""
-LEAST_WRAP_DEG = 300.0
+MIN_WRAP_DEG = 300.0
 """Jump of a heading from one row to the next from which it is a wrapped turn in degrees."""
 
 
@@ -23,7 +23,7 @@ def whole_turn(angle: Array) -> float:
         return TURN_RAD
     largest, steps = float(np.abs(angle).max()), np.abs(np.diff(angle))
     if largest > BEYOND_RAD and (
-        steps.max(initial=0.0) > LEAST_WRAP_DEG or (len(steps) > 0 and np.quantile(steps, 0.9) > math.pi)
+        steps.max(initial=0.0) > MIN_WRAP_DEG or (len(steps) > 0 and np.quantile(steps, 0.9) > math.pi)
     ):
         return 360.0
     small = math.radians(TURN_RAD)

@@ -44,11 +44,11 @@ class BaselineComparison:
 
     def with_judgement(self, judgement: Judgement) -> "BaselineComparison":
         """Return the comparison with own estimates, too."""
-        own = {key: MethodResult(one.estimate, one.errors) for key, one in judgement.evaluations.items()}
+        own_results = {key: MethodResult(one.estimate, one.errors) for key, one in judgement.evaluations.items()}
         return replace(
             self,
             methods=(*self.methods, *judgement.methods),
-            results={**self.results, **own},
+            results={**self.results, **own_results},
             warnings=(*self.warnings, *judgement.warnings),
             conditions=judgement.conditions,
         )

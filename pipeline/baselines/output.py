@@ -16,7 +16,7 @@ from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.new_folder import new_folder
 from symolo.core.versions import versions
 from symolo.dataset.tables.rows import csv_bytes, heading
-from symolo.evaluation.errors import OVER_M, OVER_S, SHARE
+from symolo.evaluation.errors import OVER_M, OVER_S, REGION_PROBABILITY
 from symolo.evaluation.estimate import Estimate
 from symolo.evaluation.estimate_file import BASELINE_HEADER, ENTRIES
 
@@ -34,7 +34,7 @@ _COLUMNS = (
     (f"RPE {OVER_M:g} m [mm]", "rpe_per_m_m", 1e3, 1),
     (f"RPE {OVER_M:g} m [deg]", "rpe_per_m_rad", 180 / np.pi, 2),
     ("NEES", "nees", 1.0, 2),
-    (f"in {SHARE:.0%}", "within", 1.0, 2),
+    (f"in {REGION_PROBABILITY:.0%}", "within", 1.0, 2),
     ("coverage [%]", "coverage", 100.0, 0),
 )
 _ABOUT = """\

@@ -20,9 +20,9 @@ OVER_M = 1.0
 """Distance [m] along the path between the poses of a pair."""
 TOLERANCE = 0.1
 """Relative tolerance of the distance between the poses of a pair, as in evo."""
-SHARE = 0.95
+REGION_PROBABILITY = 0.95
 """Probability of the region of the estimates that is compared with the share of poses in it."""
-_REGION = 7.814727903251179
+_REGION_SQUARE = 7.814727903251179
 """Normalised square at the border of this region: quantile of chi-square with 3 degrees of freedom."""
 
 
@@ -73,7 +73,7 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
         *_relative(true, estimated, seconds),
         *_relative(true, estimated, metres),
         None if squares is None else float(squares.mean() / 3),
-        None if squares is None else float(np.mean(squares <= _REGION)),
+        None if squares is None else float(np.mean(squares <= _REGION_SQUARE)),
         len(estimated),
         coverage(t_s[estimate.rows], t_s),
     )

@@ -105,11 +105,11 @@ def _clock(estimate: Estimate, t_s: Array, truth: Array) -> tuple[float, str]:
     Places of a point ahead of the axle look like late times, but a shift of their times makes the headings worse.
     """
     step_s = float(np.median(np.diff(t_s))) if len(t_s) > 1 else 1.0
-    most = int(_MAX_SHIFT * len(t_s))
+    max_rows = int(_MAX_SHIFT * len(t_s))
     chosen = np.unique(np.linspace(0, len(estimate.rows) - 1, _COMPARED_POSES).astype(np.int64))
     pose, rows = estimate.pose[chosen], estimate.rows[chosen]
     best = (np.inf, 0, np.inf)
-    for shift in np.unique(np.linspace(-most, most, _COMPARED_SHIFTS).astype(np.int64)):
+    for shift in np.unique(np.linspace(-max_rows, max_rows, _COMPARED_SHIFTS).astype(np.int64)):
         within = (rows + shift >= 0) & (rows + shift < len(t_s))
         if abs(shift) * step_s >= _MIN_SHIFT_S and within.mean() >= _LIKELY_WITHIN:
             difference = pose[within] - truth[rows[within] + shift]

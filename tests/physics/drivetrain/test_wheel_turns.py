@@ -71,8 +71,8 @@ class TestTorqueThatChangesWithTheSpeed:
         final, settles_s = (self.K * duty * self.SUPPLY_V / self.R - self.TC) / damping, self.J / damping
         t_s = ROW_S * np.arange(1, ROWS + 1)
         expected = final * (t_s - settles_s * (1.0 - np.exp(-t_s / settles_s)))
-        found = self.angles_rad(coasting, duty * self.SUPPLY_V)
-        np.testing.assert_allclose(np.diff(found, prepend=0.0), np.diff(expected, prepend=0.0), atol=5e-4)
+        angles_rad = self.angles_rad(coasting, duty * self.SUPPLY_V)
+        np.testing.assert_allclose(np.diff(angles_rad, prepend=0.0), np.diff(expected, prepend=0.0), atol=5e-4)
 
     def test_a_current_that_stays_limited_gives_a_constant_torque(self, motor):
         """J w' = K I - B w - Tc; the speed stays far below the one at which the current would fall."""
@@ -80,8 +80,8 @@ class TestTorqueThatChangesWithTheSpeed:
         settles_s = self.J / self.B
         final = (self.K * limit_A - self.TC) / self.B
         expected = final * (t_s - settles_s * (1.0 - np.exp(-t_s / settles_s)))
-        found = self.angles_rad(motor.with_effect(CurrentLimit(limit_A=limit_A)), 8.0)
-        np.testing.assert_allclose(np.diff(found, prepend=0.0), np.diff(expected, prepend=0.0), atol=5e-4)
+        angles_rad = self.angles_rad(motor.with_effect(CurrentLimit(limit_A=limit_A)), 8.0)
+        np.testing.assert_allclose(np.diff(angles_rad, prepend=0.0), np.diff(expected, prepend=0.0), atol=5e-4)
 
     def test_a_robot_turns_the_same_beside_any_other_one(self, motor):
         """In one pass, a bridge of which steps must be corrected again or divided shares the arrays of the others."""

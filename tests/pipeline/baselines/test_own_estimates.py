@@ -57,8 +57,8 @@ def test_the_estimates_of_a_method_judged_as_own_ones_have_its_errors(symolo, da
     assert symolo("baselines", dataset, "--out", first, "--methods", "odometry").code == 0
     for run in RUNS:
         shutil.copy(first / f"estimates/{run}/odometry.csv", first / f"estimates/{run}/copy.csv")
-    own = f"copy={first / 'estimates'}"
-    ended = symolo("baselines", dataset, "--out", second, "--methods", "none", "--estimate", own)
+    option = f"copy={first / 'estimates'}"
+    ended = symolo("baselines", dataset, "--out", second, "--methods", "none", "--estimate", option)
     assert ended.code == 0, ended.err
     assert "start pose of the robot" not in ended.out
     before, after = (json.loads((out / "baselines.json").read_text())["runs"] for out in (first, second))
@@ -73,8 +73,8 @@ def test_imported_runs_are_judged_without_methods(symolo, dataset, tmp_path):
     tum(tmp_path / "log.txt", run.t_s, run.table.pose)
     assert symolo("import", tmp_path / "log.txt", "--out", tmp_path / "imported", "--yes").code == 0
     tum(tmp_path / "mine.tum", run.t_s, run.table.pose + np.array([0.01, 0.0, 0.0]))
-    own = f"mine={tmp_path / 'mine.tum'}"
-    ended = symolo("baselines", tmp_path / "imported", "--out", tmp_path / "out", "--estimate", own)
+    option = f"mine={tmp_path / 'mine.tum'}"
+    ended = symolo("baselines", tmp_path / "imported", "--out", tmp_path / "out", "--estimate", option)
     assert ended.code == 0, ended.err
     assert "| imported/test_1 | mine | 10.0 |" in ended.out
     assert "- odometry: left out, the runs were imported" in ended.out
@@ -133,12 +133,12 @@ def test_no_methods_and_no_estimates_are_refused(symolo, dataset, tmp_path):
 
 
 def test_the_file_of_a_run_may_have_three_places(tmp_path):
-    own = OwnEstimates("mine", "mine", "", tmp_path)
+    estimates = OwnEstimates("mine", "mine", "", tmp_path)
     for place in ("CW/test_1.csv", "CW_test_1.tum", "CW/test_1/mine.txt"):
         path = tmp_path / place
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("")
-        assert own.files(["CW/test_1"]) == {"CW/test_1": path}
+        assert estimates.files(["CW/test_1"]) == {"CW/test_1": path}
         path.unlink()
 
 
@@ -146,14 +146,14 @@ def test_missing_and_surplus_files_are_refused(tmp_path):
     (tmp_path / "CW").mkdir()
     for name in ("test_1.csv", "test_2.txt", "test2.csv"):
         (tmp_path / "CW" / name).write_text("")
-    own = OwnEstimates("mine", "mine", "", tmp_path)
+    estimates = OwnEstimates("mine", "mine", "", tmp_path)
     with pytest.raises(InputError) as refused:
-        own.files(["CW/test_1", "CW/test_3", "CW/test_4"])
+        estimates.files(["CW/test_1", "CW/test_3", "CW/test_4"])
     assert "has no file for CW/test_3, CW/test_4" in str(refused.value)
     assert "name it CW/test_3.csv or CW/test_3.txt, or choose other runs with --runs" in str(refused.value)
     (tmp_path / "CW/test_1.txt").write_text("")
     with pytest.raises(InputError, match="are both for the run CW/test_1; keep one of them"):
-        own.files(["CW/test_1"])
+        estimates.files(["CW/test_1"])
     file = OwnEstimates("mine", "mine", "", tmp_path / "CW/test_1.csv")
     assert file.files(["CW/test_9"]) == {"CW/test_9": tmp_path / "CW/test_1.csv"}
     with pytest.raises(InputError, match="is one file for 2 runs"):
@@ -161,13 +161,13 @@ def test_missing_and_surplus_files_are_refused(tmp_path):
 
 
 def test_a_hint_names_a_file_where_those_of_runs_are_and_does_not_search_everything(tmp_path, monkeypatch):
-    own = OwnEstimates("mine", "mine", "", tmp_path)
+    estimates = OwnEstimates("mine", "mine", "", tmp_path)
     for place, is_hinted in (("a/b/CW/test_3.csv", False), ("CW/test3.csv", True)):
         path = tmp_path / place
         path.parent.mkdir(parents=True)
         path.write_text("")
         with pytest.raises(InputError, match="has no file for CW/test_3") as refused:
-            own.files(["CW/test_3"])
+            estimates.files(["CW/test_3"])
         assert (f"{place} is there" in str(refused.value)) == is_hinted
 
     def many(folder, _):
@@ -178,7 +178,7 @@ def test_a_hint_names_a_file_where_those_of_runs_are_and_does_not_search_everyth
     monkeypatch.setattr(Path, "glob", many)
     monkeypatch.setattr(Path, "rglob", many)
     with pytest.raises(InputError, match="has no file for CW/test_3"):
-        own.files(["CW/test_3"])
+        estimates.files(["CW/test_3"])
 
 
 def test_a_folder_that_cannot_be_read_is_refused_with_its_path(tmp_path, monkeypatch):

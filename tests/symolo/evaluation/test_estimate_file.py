@@ -40,9 +40,9 @@ def test_tables_in_milliseconds_and_radians_and_those_of_baselines(tmp_path):
     assert estimate.pose.tolist() == [[1, 2, 0.5]]
     assert estimate.covariance[0].tolist() == np.diag([1, 2, 3]).tolist()
     header = "t,x,y,theta,x_x,x_y,x_theta,y_y,y_theta,theta_theta"
-    own = read_estimate(written(tmp_path, "b.csv", header, "50,1,2,0.5,4,1,0.5,5,0.25,6"))
-    assert own.t_s.tolist() == [0.05]
-    assert own.covariance[0].tolist() == [[4, 1, 0.5], [1, 5, 0.25], [0.5, 0.25, 6]]
+    estimate = read_estimate(written(tmp_path, "b.csv", header, "50,1,2,0.5,4,1,0.5,5,0.25,6"))
+    assert estimate.t_s.tolist() == [0.05]
+    assert estimate.covariance[0].tolist() == [[4, 1, 0.5], [1, 5, 0.25], [0.5, 0.25, 6]]
 
 
 def test_rows_with_an_empty_cell_have_no_estimate(tmp_path):

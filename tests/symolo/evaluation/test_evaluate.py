@@ -50,8 +50,8 @@ def test_the_smallest_and_largest_covariances_have_a_nees(t_s, truth, at_rows):
 
 
 def test_an_se2_alignment_takes_a_turn_and_a_shift_away(t_s, truth, moved, at_rows):
-    given = at_rows(moved(truth, -0.7, 3.0, -1.0))
-    judged = evaluate_against(t_s, truth, given, align="se2")
+    estimates = at_rows(moved(truth, -0.7, 3.0, -1.0))
+    judged = evaluate_against(t_s, truth, estimates, align="se2")
     assert judged.errors.ate_m == pytest.approx(0.0, abs=1e-12)
     assert judged.errors.ate_rad == pytest.approx(0.0, abs=1e-12)
     # p = R(-0.7) q + (3, -1), so q = R(0.7) p - R(0.7) (3, -1).
@@ -63,8 +63,8 @@ def test_an_se2_alignment_takes_a_turn_and_a_shift_away(t_s, truth, moved, at_ro
 
 def test_an_alignment_has_the_least_squares(t_s, truth, at_rows):
     rng = np.random.Generator(np.random.PCG64(4))
-    given = at_rows(truth + 0.02 * rng.standard_normal(truth.shape))
-    best = evaluate_against(t_s, truth, given, align="se2")
+    estimates = at_rows(truth + 0.02 * rng.standard_normal(truth.shape))
+    best = evaluate_against(t_s, truth, estimates, align="se2")
     for turn, x_m, y_m in [(1e-3, 0, 0), (-1e-3, 0, 0), (0, 1e-3, 0), (0, -1e-3, 0), (0, 0, 1e-3), (0, 0, -1e-3)]:
         pose = best.estimate.pose
         middle = pose[:, :2].mean(axis=0)
