@@ -197,10 +197,10 @@ class RangeBeam(Section):
     no_target_m: float = Field(ge=0, le=10)
     """Range in data.csv when the device reports "no target"."""
     error_scale: float = Field(ge=-2, le=2)
-    """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
+    """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m) (docs/sensors.md)."""
     noise_scale: float = Field(ge=0, le=10)
-    """Factor on the standard deviation of the noise (Eq. 23, and per surface Tables 3 and 4), which is 0.8 to 1.8 mm at
-    0.1 m by surface and grows to about 4 mm at 0.6 m; 0 for no noise."""
+    """Factor on the standard deviation of the noise (Eq. 23, and per surface Tables 3 and 4; docs/sensors.md has the
+    formula), which is 0.8 to 1.8 mm at 0.1 m by surface and grows to about 4 mm at 0.6 m; 0 for no noise."""
     quantisation_m: float = Field(ge=0, le=0.1)
     """Step of the readings [m]; 0 for none."""
     temperature_C: float = Field(default=25.0, ge=-40, le=125)
