@@ -127,7 +127,7 @@ def _of_case(case: Measurement, nuisance: Nuisance, robot: RobotConfig, evidence
             stage.with_inertia(inertia) if isinstance(stage, OfCase) and stage.case == case.name else stage
             for stage in evidence.stages
         ]
-        both.append(Evidence(stages).predicted([robot]).mean[0])
+        both.append(Evidence(stages).as_measured().predicted([robot]).mean[0])
     more, less = both
     change = np.where(rows & np.isfinite(evidence.values), change_by_tolerance(more, less), 0.0)
 

@@ -95,7 +95,7 @@ def _nuisances(
         sessions = tuple(dict.fromkeys(of_trials))[1:]
     if not sessions:
         return
-    session = np.array(of_trials)[evidence.trial]
+    evidence, session = evidence.as_measured(), np.array(of_trials)[evidence.trial]
     (bare,) = evidence.predicted([nominal]).mean
     for name in sessions:
         here = (session == name) & np.isfinite(evidence.values)
