@@ -7,7 +7,7 @@ cancels in slow structure, and adds up in structure that turns over between the 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -269,11 +269,12 @@ class Pose:
         trial = trial_of_rows(measurement)[first]
         moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
         lasts_s = self._t_s[last] - self._t_s[first]
+        place = Covariate("position", log[first, 0], second=log[first, 1])
         covariates = (
             Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
             Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
             Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
-            Covariate("position", log[first, 0], second=log[first, 1]),
+            place,
             Covariate("t_s", self._t_s[middle]),
             Covariate("session_time_s", session_time_s(measurement)[middle]),
             trial_covariate(measurement, first),
@@ -305,7 +306,8 @@ class Pose:
                 t_s=self._t_s[first],
                 holdout=holdout,
                 usable=usable,
-                covariates=covariates,
+                # Where the floor is slippery, a share of each motion is lost.
+                covariates=tuple(replace(c, size=predicted[:, k]) if c is place else c for c in covariates),
                 samples=f"windows of {WINDOW} rows, of which one begins at every {STRIDE}th row,",
             )
             for k, (name, unit) in enumerate(COMPONENTS)
