@@ -44,12 +44,10 @@ class TurningResponse:
 
         This is the transpose of the response, which runs backwards through each trial.
         """
-        from scipy.signal import lfilter  # noqa: PLC0415 - it takes most of a second, which other cases save
-
         after = np.zeros_like(weighted)
         for trial in np.unique(self.trial):
             rows = self.trial == trial
-            after[rows] = lfilter([1.0], [1.0, -self.kept], weighted[rows][::-1])[::-1]
+            after[rows] = _decaying_sums(weighted[rows][::-1], self.kept)[::-1]
         return np.where(self.is_turning, self.scale * (1.0 - self.kept) * after, 0.0)
 
     def squares(self, cycles_per_turn: Array) -> Array:
@@ -61,3 +59,15 @@ class TurningResponse:
         phase = cycles_per_turn[:, None] * np.abs(self.turned_rad)
         gain = self.scale * (1.0 - self.kept)
         return np.where(self.is_turning, gain**2 / (1.0 + self.kept**2 - 2.0 * self.kept * np.cos(phase)), 0.0)
+
+
+def _decaying_sums(values: Array, kept: float) -> Array:
+    """Return the sums (n,) of each value, those before it times `kept`, those before them times its square, and so on.
+
+    Each pass doubles the number of values in a sum. `scipy.signal.lfilter` does the same, but takes a second to load.
+    """
+    sums, reach = values.copy(), 1
+    while reach < len(sums) and kept > 0.0:
+        sums[reach:] = sums[reach:] + kept * sums[:-reach]
+        reach, kept = 2 * reach, kept**2
+    return sums

@@ -79,6 +79,76 @@ def _conditions(part: HeldPart) -> tuple[float | Array, ...]:
     return part.voltage_V, part.supply_V, part.trend, part.heat
 
 
+@dataclass(frozen=True)
+class HeldVoltages:
+    """Voltages at the motors in T rows, C of which are cut where a delayed command takes effect.
+
+    The axis of the robots, before that of the trials, is missing where all robots have the same values.
+    """
+
+    row_s: float
+    before_s: float | Array
+    """Duration of a cut row before the command takes effect."""
+    after_s: float | Array
+    begin_s: Array
+    """(T, N, wheels), beginning of each row, since the motors were first switched on."""
+    cut: NDArray[np.int64]
+    """(T,), place of a row among the cut ones; -1 for a whole one."""
+    mean_V: Array
+    """(T, ...), mean voltage of each whole row."""
+    old_V: Array
+    """(C, ...), mean voltage of each cut row before the command takes effect."""
+    new_V: Array
+    """(C, ...), the same afterwards."""
+    last_V: Array
+    """(T, ...), voltage at the end of each row."""
+    old_trend: Array
+    """(T, ...), trend of the voltage before the command takes effect."""
+    new_trend: Array
+
+    @classmethod
+    def of(
+        cls, driveline: Driveline, command_V: Array, row_s: float, delay_s: float | Array, begin_s: Array
+    ) -> "HeldVoltages":
+        """Return the voltages for commands that are 0 V before the first; arguments are those of `held_rows`."""
+        rows = np.arange(len(command_V))
+        whole = np.floor(np.divide(delay_s, row_s)).astype(np.int64)
+        rest_s = delay_s - whole * row_s
+        durations = _Durations(row_s, rest_s, row_s - rest_s)
+        # An axis of robots before that of trials, of length 1 if they share the delay.
+        late = whole[:, 0, 0] if whole.ndim else whole.reshape(1)
+        padded = np.concatenate([np.zeros_like(command_V[:1]), command_V])
+        new_V, old_V = (padded[np.maximum(rows[:, None] + due - late, 0)] for due in (1, 0))
+        begin = begin_s + row_s * rows[:, None, None, None]
+        is_cut = np.any(rest_s > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
+        before_V = _held_before(driveline, new_V, old_V, durations, is_cut)
+        last_V, mean_V = (driveline.of_battery_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s))
+        old_mean_V, new_mean_V = mean_V[:0], mean_V[:0]
+        if is_cut.any():
+            old_mean_V, new_mean_V, last_of_cut_V = _cut_voltages(
+                driveline, (before_V[is_cut], old_V[is_cut], new_V[is_cut]), begin[is_cut], durations
+            )
+            last_V = np.broadcast_to(last_V, (len(last_V), *last_of_cut_V.shape[1:])).copy()
+            last_V[is_cut] = last_of_cut_V
+        new_trend, old_trend = voltage_trend(new_V), np.ones_like(new_V)
+        old_trend[1:] = new_trend[:-1]
+        of_rows = (begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend)
+        begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend = map(_without_robots, of_rows)
+        return cls(
+            row_s=row_s,
+            before_s=durations.before_s,
+            after_s=durations.after_s,
+            begin_s=begin,
+            cut=np.where(is_cut, np.cumsum(is_cut) - 1, -1),
+            mean_V=mean_V,
+            old_V=old_mean_V,
+            new_V=new_mean_V,
+            last_V=last_V,
+            old_trend=old_trend,
+            new_trend=new_trend,
+        )
+
+
 def held_rows(
     driveline: Driveline, command_V: Array, row_s: float, delay_s: float | Array, begin_s: Array
 ) -> Iterator[HeldRow]:
@@ -91,32 +161,20 @@ def held_rows(
         delay_s: Delay of commands; a number, (M, 1, 1) or (M, N, 1).
         begin_s: (N, 1), time of each trial's start since the motors were first switched on.
     """
-    rows = np.arange(len(command_V))
-    whole = np.floor(np.divide(delay_s, row_s)).astype(np.int64)
-    rest_s = delay_s - whole * row_s
-    durations = _Durations(row_s, rest_s, row_s - rest_s)
-    # An axis of robots before that of trials, of length 1 if they share the delay.
-    late = whole[:, 0, 0] if whole.ndim else whole.reshape(1)
-    padded = np.concatenate([np.zeros_like(command_V[:1]), command_V])
-    new_V, old_V = (padded[np.maximum(rows[:, None] + due - late, 0)] for due in (1, 0))
-    begin = begin_s + row_s * rows[:, None, None, None]
-    is_cut = np.any(rest_s > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
-    before_V = _held_before(driveline, new_V, old_V, durations, is_cut)
-    last_V, mean_V = (driveline.of_battery_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s))
-    new_trend, old_trend = voltage_trend(new_V), np.ones_like(new_V)
-    old_trend[1:] = new_trend[:-1]
-    values = (mean_V, begin, last_V, before_V, old_V, new_V, old_trend, new_trend)
-    by_row = [list(_without_robots(each)) for each in values]
+    held = HeldVoltages.of(driveline, command_V, row_s, delay_s, begin_s)
+    by_row = (list(each) for each in (held.mean_V, held.begin_s, held.last_V, held.old_trend, held.new_trend))
     heat: float | Array = 0.0
-    for cut, mean, since, last, before, old, new, trend_before, trend in zip(is_cut.tolist(), *by_row, strict=True):
-        if cut:
-            row = _cut_row(driveline, before, (old, new), since, durations, (trend_before, trend), heat)
-        else:
-            supply = driveline.supply_V(since)
-            heat_after = driveline.heat_after(heat, mean, row_s)
-            row = HeldRow((HeldPart(mean, supply, since, row_s, trend, heat),), last, supply, heat_after)
-        heat = row.last_heat
-        yield row
+    for place, mean, begin, last, old_trend, new_trend in zip(held.cut.tolist(), *by_row, strict=True):
+        periods = ((mean, begin, row_s, new_trend),)
+        if place >= 0:
+            since = begin + held.before_s
+            before = held.old_V[place], begin, held.before_s, old_trend
+            periods = (before, (held.new_V[place], since, held.after_s, new_trend))
+        parts = []
+        for volts, time, duration, trend in periods:
+            parts.append(HeldPart(volts, driveline.supply_V(time), time, duration, trend, heat))
+            heat = driveline.heat_after(heat, volts, duration)
+        yield HeldRow(tuple(parts), last, parts[0].supply_V, heat)
 
 
 def _held_before(
@@ -133,28 +191,25 @@ def _held_before(
     return stacked_rows(states_V)
 
 
-def _cut_row(  # noqa: PLR0917 - the motors, and all that changes within the row
-    driveline: Driveline,
-    held_V: Array,
-    command_V: tuple[Array, Array],
-    begin_s: Array,
-    durations: _Durations,
-    trends: tuple[Array, Array],
-    heat: float | Array,
-) -> HeldRow:
-    """Return a row in which the command of the previous row is followed by its own; `heat` is that at its beginning."""
-    old_V, new_V = command_V
-    old_last_V, old_mean_V = driveline.lagged_V(held_V, old_V, durations.before_s)
+def _cut_voltages(
+    driveline: Driveline, voltages_V: tuple[Array, Array, Array], begin_s: Array, durations: _Durations
+) -> tuple[Array, Array, Array]:
+    """Return the mean voltages of cut rows before and after the command takes effect, and the voltages at their ends.
+
+    Args:
+        driveline: The motors.
+        voltages_V: State of a lag before each row, the command of the row before, and that of the row, (C, ...) each.
+        begin_s: (C, ...), beginning of each row.
+        durations: Those of the parts.
+    """
+    before_V, old_V, new_V = voltages_V
+    old_last_V, old_mean_V = driveline.lagged_V(before_V, old_V, durations.before_s)
     held_V, mean_V = driveline.lagged_V(old_last_V, new_V, durations.after_s)
     # A mean over the end of the row in place of its last value, so that it changes smoothly with the delay.
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
-    periods = ((old_mean_V, begin_s, durations.before_s), (mean_V, begin_s + durations.before_s, durations.after_s))
-    parts = []
-    for (volts, time, duration), trend in zip(periods, trends, strict=True):
-        voltage_V = driveline.of_battery_V(volts, time)
-        parts.append(HeldPart(voltage_V, driveline.supply_V(time), time, duration, trend, heat))
-        heat = driveline.heat_after(heat, voltage_V, duration)
-    return HeldRow(tuple(parts), driveline.of_battery_V(last_V, begin_s), driveline.supply_V(begin_s), heat)
+    since_s = begin_s + durations.before_s
+    of_battery_V = driveline.of_battery_V
+    return of_battery_V(old_mean_V, begin_s), of_battery_V(mean_V, since_s), of_battery_V(last_V, begin_s)
 
 
 def _without_robots(values: Array) -> Array:

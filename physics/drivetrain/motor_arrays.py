@@ -25,20 +25,30 @@ class HeldDrive:
             duration_s: Duration of the step.
             covered: `covered_share` of the step, if it is known already.
         """
-        torque, friction, damping = self.torque_N_m, self.friction_N_m, self.damping_N_m_s_rad
-        time_constant = self.inertia_kg_m2 / damping
-        if np.count_nonzero(speed_rad_s) == speed_rad_s.size:
-            final = (torque - np.copysign(friction, speed_rad_s)) / damping
-        else:
-            standing = speed_rad_s == 0.0
-            final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / damping
-            final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
+        time_constant = self.inertia_kg_m2 / self.damping_N_m_s_rad
+        final = self._final(speed_rad_s)
         covered = covered_share(duration_s, time_constant) if covered is None else covered
         speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, covered)
-        # The usual case: no wheel has changed its direction, so that none has stopped within the step.
-        if not np.count_nonzero(np.sign(speed) * speed_rad_s < 0.0):
+        if not _changes_direction(speed_rad_s, speed):
             return speed, angle
         return self._through_stops(speed_rad_s, final, duration_s, time_constant)
+
+    def speed_after(self, speed_rad_s: Array, duration_s: float | Array, covered: Array) -> Array:
+        """Return the speed of `step` alone."""
+        final = self._final(speed_rad_s)
+        speed = speed_rad_s + (final - speed_rad_s) * covered
+        if not _changes_direction(speed_rad_s, speed):
+            return speed
+        return self._through_stops(speed_rad_s, final, duration_s, self.inertia_kg_m2 / self.damping_N_m_s_rad)[0]
+
+    def _final(self, speed_rad_s: Array) -> Array:
+        """Return the speed that a wheel would reach if its direction stayed."""
+        torque, friction = self.torque_N_m, self.friction_N_m
+        if np.count_nonzero(speed_rad_s) == speed_rad_s.size:
+            return (torque - np.copysign(friction, speed_rad_s)) / self.damping_N_m_s_rad
+        standing = speed_rad_s == 0.0
+        final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / self.damping_N_m_s_rad
+        return np.where(standing & (np.abs(torque) <= friction), 0.0, final)
 
     def _through_stops(
         self, speed_rad_s: Array, final: Array, duration_s: float | Array, time_constant: Array
@@ -61,6 +71,11 @@ class HeldDrive:
 def covered_share(duration_s: float | Array, time_constant_s: Array) -> Array:
     """Return the share of the difference to its final speed that a wheel covers in a time."""
     return -np.expm1(-duration_s / time_constant_s)
+
+
+def _changes_direction(before_rad_s: Array, after_rad_s: Array) -> bool:
+    """Return whether a wheel would turn the other way, so that it stops within the step; usually none does."""
+    return bool(np.count_nonzero(np.sign(after_rad_s) * before_rad_s < 0.0))
 
 
 def _relaxed(

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.drivetrain.bare_motor import bare_speeds
 from physics.drivetrain.driveline import Driveline
-from physics.drivetrain.held_rows import held_rows
+from physics.drivetrain.held_rows import HeldVoltages, held_rows
 from physics.drivetrain.motion import voltage_trend
 from physics.drivetrain.shaft import ShaftState, shaft_of
 from physics.robot.model import RobotModel
@@ -229,9 +230,15 @@ def step_responses(
     """
     require_finite(voltage_V, "voltage_V", ("row", "trial"))
     driveline = Driveline.of_bench(model)
-    shaft = shaft_of(model, driveline)
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
+    if driveline.is_bare and not model.has_play:
+        held = HeldVoltages.of(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin)
+        speed = bare_speeds(driveline, held, rest)
+        voltage = held.last_V[:, None] if held.last_V.ndim < speed.ndim else held.last_V
+        winding = driveline.winding(0.0, 0.0)
+        return driveline.current_A(voltage, speed, driveline.full_supply_V, winding)[..., 0], speed[..., 0]
+    shaft = shaft_of(model, driveline)
     state = ShaftState.at_rest(rest.shape)
     voltages, supplies, heats, speeds = [], [], [], []
     for row in held_rows(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin):

@@ -31,6 +31,8 @@ MAX_RELIEF, MAX_DAMPING = 0.98, 20.0
 the battery and the time change the torque as well, without the speed."""
 PARTS = 4
 MAX_DEPTH = 6
+NO_TURN = np.zeros(())
+"""Stands for an angle that is not needed."""
 
 Loads = tuple[Array, Array]
 """Torque on wheels at rest, and dry friction [N m]."""
@@ -42,6 +44,8 @@ class RigidWheels:
         driveline: Driveline,
         load_N_m: Callable[[Array], Array] | None = None,
         coupling_kg_m2: Array | None = None,
+        *,
+        needs_turn: bool = True,
     ) -> None:
         """
         Args:
@@ -49,6 +53,8 @@ class RigidWheels:
             load_N_m: External torques, (..., wheels), as a function of speeds (..., wheels); None without any.
             coupling_kg_m2: (wheels, wheels), inertia that the acceleration of one wheel has for another, 0 on the
                 diagonal and small beside the inertia of a wheel; only with `load_N_m`.
+            needs_turn: Whether the angles that the wheels turn are used. Otherwise they are 0, unless an effect depends
+                on them.
         """
         self._driveline = driveline
         self._load_N_m = load_N_m
@@ -56,6 +62,10 @@ class RigidWheels:
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
         # A torque that depends on the angle changes with the turn, and not with the speed.
         self._has_secant = driveline.adds_torque and not driveline.needs_angle
+        self._needs_angle = driveline.needs_angle
+        self._needs_turn = needs_turn or driveline.needs_angle
+        self._min_slope = -MAX_DAMPING * driveline.damping_N_m_s_rad
+        self._max_slope = MAX_RELIEF * driveline.damping_N_m_s_rad
         self._covered_by_duration: dict[float, Array] = {}
 
     def moved(self, part: HeldPart, speed_rad_s: Array, angle_rad: Array) -> tuple[Array, Array]:
@@ -122,7 +132,11 @@ class RigidWheels:
         Predict with the loads of the beginning, then repeat the step with the mean of both ends. Torque that depends on
         the angle is a mean over the turn: first over that at a constant speed, then over the predicted one.
         """
-        ahead = self._held(*loads).step(state[0], part.duration_s, self._covered(part.duration_s))
+        drive, covered = self._held(*loads), self._covered(part.duration_s)
+        if self._needs_angle:
+            ahead = drive.step(state[0], part.duration_s, covered)
+        else:
+            ahead = drive.speed_after(state[0], part.duration_s, covered), NO_TURN
         speed, angle = self._corrected(part, stall, state, loads, ahead)
         rough = _far_off(speed, ahead[0], 1.0) if may_be_divided else None
         if rough is None or not self._has_secant:
@@ -157,14 +171,23 @@ class RigidWheels:
             torque_mean = torque_mean - rate @ self._coupling_kg_m2
         if not self._has_secant:
             covered = self._covered(part.duration_s)
-            return self._held(torque_mean, friction_mean).step(speed_rad_s, part.duration_s, covered)
+            return self._moved_by(self._held(torque_mean, friction_mean), speed_rad_s, part.duration_s, covered)
         damping = self._driveline.damping_N_m_s_rad
         more = torque_ahead - torque
-        slope = np.divide(more, gained, out=np.zeros_like(more), where=gained != 0.0)
-        slope = np.clip(slope, -MAX_DAMPING * damping, MAX_RELIEF * damping)
+        slope = np.divide(more, gained, out=np.zeros(more.shape), where=gained != 0.0)
+        slope = np.minimum(np.maximum(slope, self._min_slope), self._max_slope)
         torque_mean = torque_mean - 0.5 * slope * (speed_rad_s + end_rad_s)
         held = HeldDrive(torque_mean, damping - slope, friction_mean, self._driveline.inertia_kg_m2)
-        return held.step(speed_rad_s, part.duration_s)
+        covered = covered_share(part.duration_s, held.inertia_kg_m2 / held.damping_N_m_s_rad)
+        return self._moved_by(held, speed_rad_s, part.duration_s, covered)
+
+    def _moved_by(
+        self, drive: HeldDrive, speed_rad_s: Array, duration_s: float | Array, covered: Array
+    ) -> tuple[Array, Array]:
+        """Return speed and turn after a step with constant loads."""
+        if self._needs_turn:
+            return drive.step(speed_rad_s, duration_s, covered)
+        return drive.speed_after(speed_rad_s, duration_s, covered), NO_TURN
 
     def _loads_of_beginning(self, part: HeldPart, stall: Array, state: tuple[Array, Array]) -> Loads:
         speed_rad_s, angle_rad = state

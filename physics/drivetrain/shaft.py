@@ -47,7 +47,7 @@ class RigidShaft:
     """A gearbox without play: one mass."""
 
     def __init__(self, driveline: Driveline) -> None:
-        self._wheels = RigidWheels(driveline)
+        self._wheels = RigidWheels(driveline, needs_turn=False)
         self._needs_angle = driveline.needs_angle
 
     def moved(self, part: HeldPart, state: ShaftState) -> ShaftState:

@@ -27,7 +27,7 @@ def stacked_rows(rows: Sequence[float | Array], shape: tuple[int, ...] = ()) -> 
         rows: T of them.
         shape: Shape to which they broadcast as well.
     """
-    shape = np.broadcast_shapes(shape, *{np.shape(row) for row in rows})
+    shape = np.broadcast_shapes(shape, *{row.shape if isinstance(row, np.ndarray) else () for row in rows})
     stacked = np.empty((len(rows), *shape))
     for k, row in enumerate(rows):
         stacked[k] = row
