@@ -10,6 +10,8 @@ import numpy as np
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.memoized import memoized
+from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import adequacy
@@ -27,6 +29,9 @@ NEGLIGIBLE = 0.01
 """Size relative to the start value, below which an effect does not count in a time series: a delay of a millisecond in
 a log with 20 rows per second may as well be an integration error. The rows of a bench are states, without such errors,
 so that any size counts there that the readings show."""
+NEGLIGIBLE_TIME = 0.01
+"""The same for a delay or a lag, relative to the time between two rows, which is less in a fast log: a row is divided
+where a delayed voltage takes effect, and a lag acts within the row."""
 MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
@@ -122,11 +127,28 @@ def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
         return False
     at = fit.x[fit.hypothesis.parameters(effect)].tolist()
     sizes = [
-        abs(x - c.null) / abs(c.start - c.null)
+        (abs(x - c.null), _negligible(fit.evidence, c))
         for x, c in zip(at, effect.coordinates, strict=True)
         if c.null is not None
     ]
-    return all(size < NEGLIGIBLE for size in sizes)
+    return all(size < negligible for size, negligible in sizes)
+
+
+def _negligible(evidence: Evidence, coordinate: Coordinate) -> float:
+    """Return the size of an amplitude, as a coordinate, that is negligible in a time series."""
+    size = NEGLIGIBLE * abs(coordinate.start - (coordinate.null or 0.0))
+    return min(size, NEGLIGIBLE_TIME * _row_s(evidence) / coordinate.unit) if coordinate.is_time else size
+
+
+@memoized
+def _row_s(evidence: Evidence) -> float:
+    """Return the usual time between two rows of a time series."""
+    steps_s = [
+        float(np.median(np.diff(observed.t_s)[np.diff(observed.trial) == 0]))
+        for observed in evidence.observed
+        if observed.is_series and np.any(np.diff(observed.trial) == 0)
+    ]
+    return min(steps_s, default=np.inf)
 
 
 def is_at_bound(fit: HypothesisFit, effect: CandidateEffect) -> bool:

@@ -49,6 +49,8 @@ BEAM = 6
 BEAM_SAMPLES = 2000
 """Greatest number of samples with a search for pairs. With few samples several pairs explain much the same; with many,
 swaps find the best one, and each fit takes long."""
+OTHER_PAIRS = 3
+"""Number of pairs that are fitted in the place of two effects with more samples."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class Selection:
     """The fit with the selected effects."""
     entries: tuple[Entry, ...]
     pairs: tuple[HypothesisFit, ...] = ()
-    """Fits with two effects that were compared with the result; empty if none were."""
+    """Fits with two effects that were compared with the result."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -106,9 +108,10 @@ def select(
     fit, tried = grown(evidence, base, fit, effects)
     entries += tried
     pairs: list[HypothesisFit] = []
-    if 1 <= len(fit.hypothesis.effects) <= 2 and np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
-        pairs = _pairs(evidence, base, effects)
-        pair = _best_pair(evidence, base, pairs, fit)
+    if 1 <= len(fit.hypothesis.effects) <= 2:
+        is_short = np.count_nonzero(evidence.fit) <= BEAM_SAMPLES
+        pairs = _pairs(evidence, base, effects) if is_short else _other_pairs(evidence, base, fit, effects)
+        pair = _best_pair(evidence, base, pairs, fit) if pairs else fit
         if pair is not fit:
             # What was tried beside the effects before says nothing about these two, so the report has only their steps.
             fit, tried = grown(evidence, base, pair, effects)
@@ -169,6 +172,19 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
     least = HOPELESS + (prospects[0].drop if prospects else 0.0)
     together = [(p.hypothesis, p.start) for p in new[:BEAM] if p.drop > least]
     return ranked([*pairs, *fits(evidence, together, base.cost - HOPELESS)], effects)
+
+
+def _other_pairs(
+    evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
+) -> list[HypothesisFit]:
+    """Return fits with two effects in the place of both of a fit, the best first; none with several stages.
+
+    Swaps of one effect miss two factors of the sensors that only together replace two numbers of a motor.
+    """
+    if len(fit.hypothesis.effects) < 2 or len(evidence.stages) > 1:
+        return []
+    prospects = scan_pairs(evidence, base, _beside(fit, effects))[:OTHER_PAIRS]
+    return ranked(fits(evidence, [(p.hypothesis, p.start) for p in prospects], fit.cost), effects)
 
 
 def _best_pair(
@@ -329,7 +345,7 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
 
 
 def _needed(fit: HypothesisFit) -> float:
-    return sum(needed(effect) for effect in fit.hypothesis.effects)
+    return sum(map(needed, fit.hypothesis.effects))
 
 
 def replaced(

@@ -51,8 +51,8 @@ def fake_fit(cost, *effects, **fields) -> Any:
 
 @pytest.fixture
 def evidence() -> Any:
-    """More rows than those up to which all pairs are compared: the steps alone decide."""
-    return Fake(memo={}, fit=np.ones(stepwise.BEAM_SAMPLES + 1, dtype=bool))
+    """More rows than those up to which all pairs are compared, in two stages: the steps alone decide."""
+    return Fake(memo={}, fit=np.ones(stepwise.BEAM_SAMPLES + 1, dtype=bool), stages=("wheels", "pose"))
 
 
 class TestRefusal:

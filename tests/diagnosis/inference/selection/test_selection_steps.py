@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.fit import at, fits
 from diagnosis.inference.selection import stepwise as module
 from diagnosis.inference.selection.refusal import is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import cancelled_by, without
@@ -15,6 +15,7 @@ from diagnosis.inference.selection.scan import Prospect
 from diagnosis.inference.selection.stepwise import (
     _best_pair,
     _is_better,
+    _other_pairs,
     _pairs,
     _pruned,
     _starts,
@@ -82,6 +83,17 @@ def test_an_effect_counts_from_a_hundredth_of_the_way_from_none_to_its_start(
     fit, (c,) = fitted(evidence_of(X, X), name), effect(name).coordinates
     at = replace(fit, x=np.array([0.3, c.null + share * (c.start - c.null)]))
     assert is_negligible(at, effect(name)) is expected
+
+
+@pytest.mark.parametrize(("delay_s", "expected"), [(0.49e-4, True), (0.51e-4, False)])
+@pytest.mark.parametrize("name", ["input_delay", "actuator_lag", "speed_filter_lag", "speed_time_offset"])
+def test_a_delay_or_lag_counts_from_a_hundredth_of_a_row_on(step_log, effect, name, delay_s, expected):
+    """A row of a step log lasts 5 ms. Four effects that hardly differ there count from the same time on."""
+    evidence, nominal = step_log(1)
+    late = nominal.hypothesis.with_effect(effect(name))
+    x = late.null()
+    x[late.parameters(effect(name))] = delay_s / effect(name).coordinates[0].unit
+    assert is_negligible(at(evidence, late, x), effect(name)) is expected
 
 
 def test_any_size_counts_in_rows_that_are_states(evidence_of, fitted, effect):
@@ -195,6 +207,20 @@ def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evide
     )
     alone, base = fitted(contradicted, names[0]), fitted(contradicted)
     assert _best_pair(contradicted, base, _pairs(contradicted, base, effects), alone) is alone
+
+
+def test_of_many_samples_two_effects_that_only_together_replace_two_others_are_tried(evidence_of, fitted, effect):
+    """Two factors of the sensors imitate two numbers of the motor better than one factor beside one number does."""
+    x = np.linspace(-1.0, 1.0, 600)
+    evidence = evidence_of(x, 1.4 * x + 0.05)
+    effects = [
+        effect(name) for name in ("current_sensor_gain", "current_sensor_offset", "current_limit", "stribeck_friction")
+    ]
+    base, wrong = fitted(evidence), fitted(evidence, "current_limit", "stribeck_friction")
+    (pair,) = _other_pairs(evidence, base, wrong, effects)
+    assert [each.name for each in pair.hypothesis.effects] == ["current_sensor_gain", "current_sensor_offset"]
+    assert _best_pair(evidence, base, [pair], wrong) is pair
+    assert _other_pairs(evidence, base, fitted(evidence, "current_limit"), effects) == []
 
 
 def test_a_pair_whose_effects_cancel_gives_way_to_any_other(evidence_of, fitted, monkeypatch):
