@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Collection, Mapping, Sequence
 from math import pi, radians
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -43,6 +43,9 @@ class Source(Section):
     """Column by whose values in the same rows a duty cycle is multiplied, such as the voltage of the battery."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
     """Time by which the values were measured later than the time of their row."""
+    held: Literal["", "after_row", "before_row"] = ""
+    """Whether each voltage is held from its row to the next, or was held from the row before to its row; empty for the
+    usual of the kind: `before_row` in a step log, `after_row` in a drive."""
     per_row: bool = False
     """Whether each value is the number of ticks since the row before; by default counts run on."""
     wraps_at: float = Field(default=0.0, ge=0, le=1e12)
@@ -54,7 +57,8 @@ class Source(Section):
         factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
         times = f", times {self.times}" if self.times else ""
         offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
-        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}"
+        held = {"after_row": ", held to the next row", "before_row": ", held from the row before"}.get(self.held, "")
+        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}{held}"
 
     def numbers(self, log: LogFile) -> Array:
         """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
@@ -139,6 +143,9 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
             _check_offset(name, source.offset, place, is_measured=name in kind.scales and name not in COUNTED)
             if source.times and name not in VOLTAGES:
                 raise InputError("times is for voltages", where=place, allowed=", ".join(VOLTAGES))
+            if source.held and name not in kind.held:
+                what = "held is for the voltages of a drive or of a step log"
+                raise InputError(what, where=place, allowed=", ".join(VOLTAGES))
         with faults.noted():
             factor_to(kind.unit_of(name), source.unit, place)
             if unit_of(source.unit) == PERCENT and source.factor == 1.0 and not source.times:
@@ -222,6 +229,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         "# offset: number added to the values in our unit, such as to x_m if the corner of a room is not the origin.",
         "# times: column of the voltage by which a duty cycle is multiplied, row by row.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
+        "# held: after_row if each voltage is held from its row to the next, before_row if since the row before.",
         "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of its name.",
         f"kind: {mapping.kind}",

@@ -93,6 +93,8 @@ class LogKind:
     """Page on mapping files."""
     elsewhere: str = ""
     """What else to do with a log that lacks these quantities, as the end of a sentence."""
+    held: frozenset[str] = frozenset()
+    """Voltages of which a mapping may state whether they are held from their row or until it."""
 
     @property
     def names(self) -> tuple[str, ...]:

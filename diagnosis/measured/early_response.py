@@ -10,24 +10,27 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.measurement import CHECK, Measurement
 from symolo.core.arrays import Array
 
 MIN_ROWS = 60
 MIN_PART = 0.04
 """Weight of the next voltage, as a share of those of all voltages, from which it is noted."""
+MIN_WHOLE = 0.3
+"""Weight of the next voltage, as such a share, from which all of it may act in the row: over a row of 50 ms, a motor
+with a time constant of 0.1 s turns about as much by the voltage of this row as by that of the row before."""
 MIN_ERRORS = 3.5
 """Weight of the next voltage in standard errors from which it is noted."""
 OUTLIERS = 9.0
 """Multiple of the median size of the residuals beyond which a row is left out."""
 MIN_CHANGE = 1e-3
 """Part of the next voltage that the other columns do not explain, from which its weight is known."""
-NEXT = 3
-"""Place of the next voltage in a row of `_equations`."""
+NEXT, EARLIER_TURN = 3, 5
+"""Places of the next voltage and of the turn before the last one in a row of `_equations`."""
 
 
 def early_response_note(measurement: Measurement) -> Iterator[str]:
-    """Yield a note if a wheel follows voltages before they are logged."""
+    """Yield a note if a wheel follows voltages before they are logged, in part or as a whole."""
     if any(trial.held_inputs for trial in measurement.trials):
         return
     for side in ("left", "right"):
@@ -35,12 +38,21 @@ def early_response_note(measurement: Measurement) -> Iterator[str]:
         if not measurement.has(voltage, ticks):
             continue
         rows = np.concatenate([_equations(trial[voltage].values, trial[ticks].values) for trial in measurement.trials])
-        if _is_early(rows[np.isfinite(rows).all(axis=1)]):
+        rows = rows[np.isfinite(rows).all(axis=1)]
+        if not _is_early(rows):
+            continue
+        if _is_a_row_early(rows):
+            yield (
+                f"{CHECK} u_left_V and u_right_V: the wheels follow the voltage of the next row, as if each was held "
+                "since the row before; in a drive, the voltage of a row is held until the next. If the log states it "
+                "so, give both voltages held: before_row in the mapping"
+            )
+        else:
             yield (
                 "the wheels follow the voltages of the next row before it is logged, as with a controller that is "
                 "faster than the log: effects of the motors may stay hidden; log the voltages as often as they change"
             )
-            return
+        return
 
 
 def _equations(voltage_V: Array, ticks: Array) -> Array:
@@ -50,6 +62,15 @@ def _equations(voltage_V: Array, ticks: Array) -> Array:
     columns = [voltage_V[row], voltage_V[row - 1], voltage_V[row - 2], voltage_V[row + 1], turn[row - 1], turn[row - 2]]
     rows = np.stack([*columns, np.sign(turn[row - 1]), turn[row]], axis=1)
     return rows[turn[row] != 0.0]
+
+
+def _is_a_row_early(rows: Array) -> bool:
+    """Return whether all of each voltage acts before its row, so that none acts in the row after it."""
+    # With two earlier turns, a wheel whose voltages all act a row early fits other weights as well.
+    without = np.delete(rows, EARLIER_TURN, axis=1)
+    weights = np.abs(_regression(without)[0][: NEXT + 1])
+    shares = weights / weights.sum()
+    return bool(shares[NEXT] > MIN_WHOLE and max(shares[1], shares[2]) < MIN_PART)
 
 
 def _is_early(rows: Array) -> bool:

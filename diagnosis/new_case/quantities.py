@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from diagnosis.measured.case_format import COLUMNS, RANGE_SIDES, RANGES
+from diagnosis.measured.case_format import COLUMNS, RANGE_SIDES, RANGES, WHEEL_VOLTAGES
 from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
@@ -78,6 +78,12 @@ _NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {
 }
 """Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried."""
 
+_HELD: Mapping[CaseKind, frozenset[str]] = {
+    CaseKind.DRIVE_LOG: frozenset(WHEEL_VOLTAGES),
+    CaseKind.MOTOR_STEP: frozenset({"u_cmd_V"}),
+}
+"""Voltages that are held from row to row."""
+
 KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
     {
         kind: LogKind(
@@ -86,6 +92,7 @@ KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
             {column.name: column for column in COLUMNS[kind] if isinstance(column, MeasuredColumn)},
             needed,
             RANGES | ({"distance_m"} if kind is CaseKind.TOF_BENCH else set()),
+            held=_HELD.get(kind, frozenset()),
             lone_range="tof_front_m" if kind is CaseKind.DRIVE_LOG else "",
         )
         for kind, needed in _NEEDED.items()

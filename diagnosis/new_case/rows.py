@@ -11,6 +11,7 @@ from diagnosis.measured.case_format import CAMERA_CHANNELS, LONG_AFTER_S, RANGES
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
+from diagnosis.new_case.held_rows import held_otherwise, of_other_rows
 from diagnosis.new_case.input_reach import input_faults
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
@@ -85,7 +86,10 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         _check_motion(parts, mapping.columns["t_s"], log)
         parts = [_unwrapped(part, "theta_rad") for part in parts]
         parts = _at_sample_times(parts, notes)
-    if kind is CaseKind.MOTOR_STEP:
+    names = held_otherwise(mapping, kind)
+    if names:
+        parts = [_Rows(*of_other_rows(part.t_s, part.values, names, kind)) for part in parts]
+    elif kind is CaseKind.MOTOR_STEP:
         parts = _from_first_motion(parts, notes)
     if kind in _IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}

@@ -18,7 +18,7 @@ from diagnosis.report.sentences.early_voltages import early_voltage_sentences
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.quantities import meaning, with_error
-from diagnosis.report.sentences.rows import too_large
+from diagnosis.report.sentences.rows import of_the_log, too_large
 from diagnosis.report.verdict import (
     certainty,
     gain_sentences,
@@ -124,6 +124,8 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
         yield from _entry("  seen for", named.seen_for)
     for text in too_large(named):
         yield from _entry("  too large", text)
+    for text in of_the_log(named, data.diagnosis.measurement):
+        yield from _entry("  doubt", text)
     yield from _entry("  without it", without_effect(ablation, data.diagnosis.fit))
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)

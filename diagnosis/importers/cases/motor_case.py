@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from diagnosis.importers.cases.case import scale_note
 from diagnosis.importers.cases.motor_checks import goes_against, number_checks, speed_checks
 from diagnosis.importers.cases.trials import KnownNoise
+from diagnosis.importers.cases.voltage_rows import voltage_row_checks
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, Measurement
 from diagnosis.measured.nominal import NominalSteady, NominalStep, StepNoise
 from symolo.core.arrays import Array
@@ -35,6 +36,8 @@ def motor_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) 
             notes.append(f"{CHECK} {name}: the motor {does} against its voltage; give {name} or u_cmd_V factor: -1")
     units = _scale_notes(nominal, np.abs(u), np.abs(speed), np.abs(current))
     notes += units or speed_checks(nominal.motor, np.abs(u), np.abs(speed), "u_cmd_V")
+    if isinstance(nominal, NominalStep) and not notes:
+        notes += voltage_row_checks(measurement)
     has_wrong_unit = any(note.startswith(CHECK_UNIT) for note in notes)
     return [*notes, *(() if has_wrong_unit else number_checks(nominal.motor, notes))]
 

@@ -1,4 +1,4 @@
-"""Sentences about single rows of a bench, and about effects that are too large for any robot."""
+"""Sentences about single rows of a bench, delays of one row, and effects that are too large for any robot."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,7 +11,10 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.plausible import beyond
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
-from diagnosis.measured.measurement import CaseKind
+from diagnosis.measured.measurement import CaseKind, Measurement
+
+ONE_ROW = 0.05
+"""Difference of a delay from one row, as a share of it, up to which the order of the columns explains it."""
 
 
 def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
@@ -45,6 +48,21 @@ def too_large(named: NamedEffect) -> list[str]:
         f"known: {excess.why}"
         for excess in beyond(named.effect.kind, named.values, named.std)
     ]
+
+
+def of_the_log(named: NamedEffect, measurement: Measurement) -> list[str]:
+    """Return why a delay of the voltage may be the order of the columns of a step log; empty if it is not."""
+    if measurement.kind is not CaseKind.MOTOR_STEP or named.name != "input_delay":
+        return []
+    row_s = float(np.median(np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])))
+    if abs(named.values["delay_s"] - row_s) > ONE_ROW * row_s:
+        return []
+    text = (
+        f"the delay is one row of the log, {1e3 * row_s:.3g} ms, as if the voltage of each row were held until the "
+        "next row; if the log states it so, the robot has no delay: give u_cmd_V held: after_row in the mapping of "
+        "`symolo case init`"
+    )
+    return [text]
 
 
 def _stuck(rows: Sequence[StuckRow], diagnosis: Diagnosis) -> str:

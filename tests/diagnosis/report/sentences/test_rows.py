@@ -1,5 +1,7 @@
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from configs.effects.registry import EFFECTS
@@ -10,8 +12,9 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.rivals import RivalComparison
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.sentences import rows
-from diagnosis.report.sentences.rows import row_sentences, too_large
+from diagnosis.report.sentences.rows import of_the_log, row_sentences, too_large
 from diagnosis.report.verdict import headline
 
 
@@ -70,3 +73,21 @@ def test_a_size_that_no_robot_has_is_said():
     assert too_large(named(1.87, 0.38)) == []  # may still be less than 1
     (text,) = too_large(named(20.0, 2.0))
     assert text.startswith("source_resistance_ohm 20 +- 2 is beyond 1")
+
+
+@pytest.mark.parametrize(
+    ("kind", "delay_s", "is_doubted"),
+    [
+        (CaseKind.MOTOR_STEP, 0.020268, True),
+        (CaseKind.MOTOR_STEP, 0.060345, False),
+        (CaseKind.MOTOR_STEP, 0.0222, False),
+        (CaseKind.DRIVE_LOG, 0.020268, False),
+    ],
+)
+def test_a_delay_of_one_row_of_a_step_log_may_be_the_order_of_its_columns(kind, delay_s, is_doubted):
+    effect = CandidateEffect(EFFECTS.by_name()["input_delay"])
+    named = NamedEffect(effect, {"delay_s": delay_s}, {"delay_s": 6.5e-5}, RivalComparison(effect, 0.97, ()))
+    measurement = SimpleNamespace(kind=kind, trials=[SimpleNamespace(t_s=0.02 * np.arange(1, 50))])
+    texts = of_the_log(named, measurement)
+    assert len(texts) == is_doubted
+    assert all("one row of the log, 20 ms" in text and "held: after_row" in text for text in texts)
