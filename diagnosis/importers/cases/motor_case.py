@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.importers.cases.case import scale_note
-from diagnosis.importers.cases.motor_checks import goes_against, number_checks, speed_checks
+from diagnosis.importers.cases.motor_checks import goes_against, number_checks, sign_check, speed_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.cases.voltage_rows import voltage_row_checks
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, Measurement
@@ -30,8 +30,9 @@ def motor_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) 
     u, speed, current = (
         np.concatenate([c.values for c in measurement.across(name)]) for name in ("u_cmd_V", "omega_rad_s", "current_A")
     )
-    notes = []
+    notes: list[str] = []
     for name, values, does in (("omega_rad_s", speed, "turns"), ("current_A", current, "takes current")):
+        notes += sign_check(u, values, name)
         if goes_against(u, values):
             notes.append(f"{CHECK} {name}: the motor {does} against its voltage; give {name} or u_cmd_V factor: -1")
     units = _scale_notes(nominal, np.abs(u), np.abs(speed), np.abs(current))

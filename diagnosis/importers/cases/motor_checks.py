@@ -16,6 +16,8 @@ AGAINST = 0.5
 FASTER, SLOWER = 5.0, 0.05
 """Usual speed, as a share of that without load at the same voltage, beyond which number or unit is wrong: a motor is
 only faster at a bridge that coasts, and friction seldom leaves so little."""
+FEW = 0.02
+"""Share of the rows that noise may take below zero in a reading without a sign."""
 MOVING_RAD_S = 0.5
 """Speed from which a motor turns."""
 LOWEST_V = 0.1
@@ -73,6 +75,21 @@ def goes_against(one: Array, other: Array) -> bool:
     if np.count_nonzero(one * other) < MIN_DRIVEN_ROWS:
         return False
     return float(one @ other) < -AGAINST * float(np.linalg.norm(one) * np.linalg.norm(other))
+
+
+def sign_check(u_V: Array, values: Array, name: str) -> Iterator[str]:
+    """Yield a note if a reading (N,) is positive at voltages (N,) of both signs, as of a sensor that has no sign."""
+    known = np.isfinite(u_V + values)
+    u_V, values = u_V[known], values[known]
+    backward, forward = values[(u_V < 0.0) & (values != 0.0)], values[(u_V > 0.0) & (values != 0.0)]
+    if min(len(backward), len(forward)) < MIN_DRIVEN_ROWS:
+        return
+    if np.count_nonzero(values < 0.0) <= FEW * len(values):
+        rows = f"{np.count_nonzero(u_V < 0.0)} of {len(u_V)} rows"
+        yield (
+            f"{CHECK} {name}: it is never below 0, although the voltage is in {rows}, as from a sensor that measures "
+            "no sign; log the sign too, or make the case from the rows with voltages of one sign"
+        )
 
 
 def speed_checks(motor: NominalMotor, u_V: Array, speed_rad_s: Array, voltage: str) -> Iterator[str]:

@@ -50,6 +50,20 @@ def test_a_sign_against_the_voltage_of_a_bench_is_named(column, words, init, ben
     assert check.endswith(f"against its voltage; give {words} or u_cmd_V factor: -1")
 
 
+@pytest.mark.parametrize("both", [False, True])
+def test_readings_without_a_sign_at_voltages_of_both_signs_are_named(both, init, bench):
+    """A shunt measures |I|, and one channel of an encoder |w|."""
+    names = ["current [A]", "speed [rad/s]"][: 1 + both]
+    signed = {name: np.concatenate([values, -values]) for name, values in bench.items()}
+    known = settings(winding_resistance_ohm=R, torque_constant_N_m_A=K)
+    _, out, _, _ = init(signed, *known)
+    assert checks(out) == []
+    _, out, _, _ = init({**signed, **{name: np.abs(signed[name]) for name in names}}, *known, "--out", "unsigned")
+    texts = checks(out)
+    assert [text.split(":")[0] for text in texts] == ["omega_rad_s", "current_A"][1 - both :]
+    assert all("is never below 0, although the voltage is in 24 of 48 rows" in text for text in texts)
+
+
 @pytest.mark.parametrize(
     ("known", "check"),
     [
