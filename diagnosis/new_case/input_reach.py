@@ -1,6 +1,6 @@
-"""Refusal of single inputs that are out of reach, with the row and the column of the log."""
+"""Refusal of single inputs that are out of reach or missing, with the row and the column of the log."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -41,6 +41,34 @@ def input_faults(mapping: LogMapping, values: Mapping[str, Array], log: LogFile)
             where=log.where(row),
             allowed=column.plausible.words(column.unit),
             cure=f"{cure}{'otherwise, ' if unit else ''}repair or remove the row: inputs must be known{more}",
+        )
+
+
+def missing_inputs(
+    mapping: LogMapping, values: Mapping[str, Array], trials: Sequence[Mapping[str, Array]], log: LogFile
+) -> Iterator[InputError]:
+    """Yield an error for each input that a case needs in every row and that is missing in some.
+
+    Args:
+        mapping: Columns of the log.
+        values: (N,) of each quantity in the rows of the log.
+        trials: Columns of each trial as the case has them, where short gaps may be bridged.
+        log: The log.
+    """
+    for column in channel_columns(CaseKind(mapping.kind)):
+        if column.may_be_empty or column.role is not Role.INPUT or column.name not in values:
+            continue
+        missing = np.flatnonzero(~np.isfinite(values[column.name])).tolist()
+        if not missing or all(np.isfinite(trial[column.name]).all() for trial in trials):
+            continue
+        name = mapping.columns[column.name].column
+        more = f"; rows of this column with such a cell: {len(missing)}" if len(missing) > 1 else ""
+        yield InputError(
+            f"column {name}",
+            where=log.where(missing[0]),
+            got=log.columns[name][missing[0]],
+            allowed="a number",
+            cure=f"repair or remove the row: inputs must be known, and only readings may be missing{more}",
         )
 
 

@@ -12,7 +12,7 @@ from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.new_case.held_rows import held_otherwise, of_other_rows
-from diagnosis.new_case.input_reach import input_faults
+from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
 from logs.counts import running_counts
@@ -24,7 +24,7 @@ from logs.times import goes_back, usual_step
 from logs.units import factor_to, unit_of
 from logs.wrapped_angles import whole_turn
 from symolo.core.arrays import Array
-from symolo.core.errors import FaultList, InputError
+from symolo.core.errors import FaultList, InputError, together
 from symolo.core.progress import plural
 from symolo.core.time_series import TimeSeries
 
@@ -95,6 +95,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
         parts = _regular(parts, kind, log, notes)
+    if faults := list(missing_inputs(mapping, values, [part.values for part in parts], log)):
+        raise together(faults)
     source = MeasurementSource("a log", (str(log.path),))
     held = _holdout(parts, kind, notes)
     trials, begins_s = [], 0.0

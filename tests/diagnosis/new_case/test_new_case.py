@@ -384,3 +384,16 @@ def test_what_a_number_allows_is_named_as_the_effects_are(init, columns, tmp_pat
     }
     assert len(words) > 8
     assert words <= set(EFFECTS.by_name())
+
+
+@pytest.mark.parametrize(("cell", "words"), [("nan", "got 'nan'"), ("", "got ''")])
+def test_a_voltage_that_was_not_logged_is_named_with_its_row_in_the_log_and_the_cure(cell, words, init):
+    """A row of a serial log that was lost, in the 50th row below the header."""
+    volts = np.linspace(1.0, 6.0, 100)
+    columns = {"U [V]": volts.tolist(), "I [A]": np.round(0.1 + 0.01 * volts, 4).tolist()}
+    columns["U [V]"][49], columns["I [A]"][49] = cell, ""
+    code, _, err, folder = init(columns, "--set", "supply_voltage_V=6")
+    assert (code, folder) == (2, {})
+    assert err.startswith(f"symolo: run.csv: row 51: column U [V]: {words}, allowed: a number")
+    assert "remove the row" in err
+    assert "data.csv" not in err
