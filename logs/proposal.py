@@ -11,8 +11,8 @@ from logs.drive import COUNTED, PER_ROW
 from logs.heading_unit import guessed_heading_unit
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
-from logs.plausible_units import beyond_scale, likely_unit
-from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind
+from logs.plausible_units import OTHER_UNITS, beyond_scale, likely_unit
+from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
 from logs.times import usual_step
 from logs.units import PERCENT, HeaderName, factor_to, taken_apart
 from symolo.core.arrays import Array
@@ -31,6 +31,11 @@ USUAL_SUPPLY_V = 7.4
 SMALLEST_MM = 600.0
 """Extent from which a length that is no metre is in millimetres rather than in centimetres."""
 DEFAULT_STEP_S = 0.05
+SAME = 1e-3
+"""Relative difference up to which two factors are those of one unit."""
+GEAR_ADVICE = (
+    "if it is the speed of the motor's shaft, divide it by the gear ratio, such as factor: 0.00833 for a ratio of 120"
+)
 
 
 @dataclass(frozen=True)
@@ -116,7 +121,9 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
         if typical is None:
             continue
         source = mapping.columns[name]
-        factor = likely_unit(typical, scale.plausible, scale.unit) or "check its unit"
+        factor = _likely(typical, scale, source) or "check its unit"
+        if name == "omega_rad_s":
+            factor += f"; {GEAR_ADVICE}"
         cure = f"{factor}; correct its unit in {MAPPING} and give that with {kind.mapping_option}"
         if DUTY & set(taken_apart(source.column).words):
             cure = (
@@ -133,6 +140,21 @@ def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array],
             )
         )
     return faults
+
+
+def _likely(typical: float, scale: QuantityScale, source: Source) -> str:
+    """Return advice that names other units of the column than the stated one; empty if none would be possible."""
+    stated = factor_to(scale.unit, source.unit, source.column)
+    if stated == 1.0:
+        return likely_unit(typical, scale.plausible, scale.unit)
+    in_column = typical / stated
+    units = ((scale.unit, 1.0), *OTHER_UNITS.get(scale.unit, ()))
+    fits = [
+        unit
+        for unit, per in units
+        if abs(per * stated - 1.0) > SAME and scale.plausible.low <= in_column / per <= scale.plausible.high
+    ]
+    return f"the values would be possible in {' or '.join(fits)}" if fits else ""
 
 
 def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool:

@@ -56,8 +56,12 @@ def _scale_notes(nominal: NominalSteady | NominalStep, u: Array, speed: Array, c
         _ratio(speed * constant, u, driven, 0.75),
         _ratio(current * resistance, u, driven, 0.5),
     )
+    gear = f"; or it is the speed of the motor's shaft, before a gear with a ratio of about {speed_ratio:.2g}"
     return [
-        *scale_note(speed_ratio, "omega_rad_s", "rad/s", "the no-load speed at its voltage"),
+        *(
+            f"{note}{gear if speed_ratio > 1.0 else ''}"
+            for note in scale_note(speed_ratio, "omega_rad_s", "rad/s", "the no-load speed at its voltage")
+        ),
         *scale_note(current_ratio, "current_A", "A", "the stall current at its voltage"),
     ]
 

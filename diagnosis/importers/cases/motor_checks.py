@@ -20,6 +20,8 @@ FEW = 0.02
 """Share of the rows that noise may take below zero in a reading without a sign."""
 MOVING_RAD_S = 0.5
 """Speed from which a motor turns."""
+LOWEST_SUPPLY_V, HIGHEST_SUPPLY_V = 0.5, 100.0
+"""Range of the largest voltage of a bench of small motors."""
 LOWEST_V = 0.1
 """Voltage at which no geared motor turns."""
 SMALL_MOTORS: Mapping[str, tuple[float, float, str, str]] = {
@@ -28,7 +30,7 @@ SMALL_MOTORS: Mapping[str, tuple[float, float, str, str]] = {
     "viscous_friction_N_m_s_rad": (0.0, 0.5, "N m s/rad", "mN m s/rad"),
     "coulomb_friction_N_m": (0.0, 5.0, "N m", "mN m"),
     "rotor_inertia_kg_m2": (1e-8, 1.0, "kg m2", "g m2"),
-    "supply_voltage_V": (0.5, 100.0, "V", "mV"),
+    "supply_voltage_V": (LOWEST_SUPPLY_V, HIGHEST_SUPPLY_V, "V", "mV"),
 }
 """Range of each number at the wheel for robots up to some 50 kg, its unit, and a thousandth of that unit."""
 LONGEST_S, MOST_DAMPING, MOST_FRICTION = 30.0, 10.0, 0.9
@@ -115,12 +117,15 @@ def speed_checks(motor: NominalMotor, u_V: Array, speed_rad_s: Array, voltage: s
     usual, fast = np.quantile(speed_rad_s[turning] * constant / u_V[turning], (0.5, 0.9)).tolist()
     if SLOWER < usual < FASTER:
         return
-    if unit := scale_note(1.0 / fast, voltage, "V", "the voltage of this speed without load"):
+    # A thousand times a usual voltage is none, so that the constant is wrong.
+    wrong_constant = LOWEST_SUPPLY_V <= highest_V <= HIGHEST_SUPPLY_V and 700.0 < fast < 1400.0
+    if not wrong_constant and (unit := scale_note(1.0 / fast, voltage, "V", "the voltage of this speed without load")):
         yield from unit
         return
+    thousandth = f"; if it is in mN m/A, write {1e-3 * constant:.4g}" if wrong_constant else ""
     fits = f"{'at most' if usual > 1.0 else 'about'} {constant / fast:.2g} N m/A"
     yield (
         f"{CHECK} torque_constant_N_m_A: the motor turns {usual:.2g} times as fast as one with {constant:.4g} N m/A "
-        f"does without load at the same voltage; {fits} would fit; check the unit of this number, that it is the "
-        f"one at the wheel, gear included, and the units of {voltage} and of the speed"
+        f"does without load at the same voltage; {fits} would fit{thousandth}; check the unit of this number, that "
+        f"it is the one at the wheel, gear included, and the units of {voltage} and of the speed"
     )

@@ -88,6 +88,24 @@ def test_numbers_of_the_motors_of_a_drive_in_another_unit_are_named(known, check
         assert all(K < float(constant) < 1.3 * SLOPE for constant in match.groups())
 
 
+def test_a_torque_constant_in_mN_m_is_named_and_not_the_volts_that_are_right(init, bench):
+    """Multiplied by 1000, the voltages would be 6 kV."""
+    _, out, _, _ = init(bench, *settings(winding_resistance_ohm=R, torque_constant_N_m_A=1000 * K))
+    (check,) = checks(out)
+    assert check.startswith("torque_constant_N_m_A: the motor turns")
+    assert "if it is in mN m/A, write 0.3" in check
+
+
+def test_the_speed_of_the_shaft_of_a_motor_is_named_with_the_gear_ratio(init, bench):
+    """A motor with a gear of 120 turns at 20 rad/s at the wheel, and 2400 rad/s, or 22900 rpm, before the gear."""
+    bench["speed [rpm]"] = 30.0 / np.pi * 120.0 * bench.pop("speed [rad/s]")
+    code, _, err, _ = init(bench, *settings(winding_resistance_ohm=R, torque_constant_N_m_A=K))
+    assert code == 2
+    assert "if it is the speed of the motor's shaft, divide it by the gear ratio" in err
+    assert "factor: 0.00833 for a ratio of 120" in err
+    assert "this looks like rpm" not in err
+
+
 def motor_of(**numbers):
     spreads = {name: {"value": value, "tolerance": 0.0} for name, value in numbers.items() if name[-2:] != "_V"}
     return NominalMotor.model_validate({**numbers, **spreads})
