@@ -12,6 +12,7 @@ from diagnosis.next_trial.drive_files import COMMANDS, planned_path, start_text
 from diagnosis.next_trial.expectation import ExpectedNumber
 from diagnosis.next_trial.library.drive_log import expected_paths, floor_text
 from diagnosis.next_trial.models import robots_of
+from diagnosis.report.sentences.no_name import why_no_name
 from symolo.core.arrays import Array
 
 WIDTH = 118
@@ -166,10 +167,13 @@ def _expected(design: TrialDesign) -> Iterator[str]:
 
 
 def hindrance_lines(design: TrialDesign) -> Iterator[str]:
-    """Yield a paragraph if the trial does not distinguish all models, with the limit that hinders most."""
+    """Yield paragraphs if the trial does not distinguish all models: what decides without it, and what hinders most."""
     smallest = design.expected.smallest
     if smallest is None or smallest.separation >= WEAK:
         return
+    if without_a_trial := why_no_name(design.diagnosis):
+        yield from _wrapped(without_a_trial)
+        yield ""
     text = (
         f"No trial within the limits distinguishes {smallest.truth} from {smallest.rival}: the best one separates them "
         f"by {smallest.separation:.2g} standard deviations, and {WEAK:g} are needed."

@@ -9,6 +9,12 @@ from diagnosis.nuisances import Nuisance
 MIN_MOVED = 1.0
 """Move of a parameter in tolerances from which it is mentioned."""
 MAX_LISTED = 3
+INSTRUMENTS = {
+    "winding_resistance_ohm": "an ohmmeter",
+    "wheel_diameter_m": "a calliper, or by rolling the robot along a tape measure",
+    "track_m": "a ruler, from the middle of one wheel to that of the other",
+}
+"""Instruments for parameters that can be measured by hand."""
 
 
 def why_no_name(diagnosis: Diagnosis) -> str:
@@ -27,7 +33,9 @@ def why_no_name(diagnosis: Diagnosis) -> str:
     *others, last = [_moved(nuisance, x) for nuisance, x in furthest]
     listed = f"{', '.join(others)} and {last}" if others else last
     known = "Parameters of the nominal robot, which are known only to their tolerances, account for"
-    better = "A nominal.yaml with smaller tolerances would decide, if some numbers are known better."
+    instruments = [f"{n.name} with {INSTRUMENTS[n.name]}" for n, _ in furthest if n.name in INSTRUMENTS]
+    how = f": measure {'; '.join(instruments)}" if instruments else ", if some numbers are known better"
+    better = f"A nominal.yaml with smaller tolerances would decide{how}."
     if diagnosis.conclusion is CaseVerdict.UNDECIDED:
         return f"{known} a part of the difference: the fit moves {listed}. {better}"
     best = next((entry for entry in diagnosis.selection.refused if entry.drop > 0.0), None)

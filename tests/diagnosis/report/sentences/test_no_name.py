@@ -40,6 +40,15 @@ def test_parameters_that_took_the_place_of_an_effect_are_listed_the_furthest_fir
     assert "winding_resistance_scale would lower the cost by 4.5 only, and a name needs 15." in text
 
 
+def test_the_instrument_that_would_decide_is_named(moved):
+    text = why_no_name(moved({"winding_resistance_ohm": 2.0}))
+    assert text.endswith(
+        "A nominal.yaml with smaller tolerances would decide: measure winding_resistance_ohm with an ohmmeter."
+    )
+    text = why_no_name(moved({"rotor_inertia_kg_m2": 2.0, "coulomb_friction_N_m": -1.2}))
+    assert text.endswith("A nominal.yaml with smaller tolerances would decide, if some numbers are known better.")
+
+
 def test_what_the_headline_leaves_open_is_not_repeated(moved):
     text = why_no_name(moved({"winding_resistance_ohm": 2.0}, drop=13.5))
     assert "account for a part of the difference: the fit moves winding_resistance_ohm by" in text
