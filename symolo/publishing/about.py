@@ -25,6 +25,8 @@ _ALLOWED = {
 }
 """Allowed values of fields in words, for fields whose pattern alone would not explain them."""
 
+_IN_SCENARIO = "the licence is that of the scenario: write it there, and release again"
+
 Line = Annotated[str, Field(pattern=r"^\S(?:[^\n\r]*\S)?$", max_length=500)]
 
 
@@ -136,9 +138,17 @@ def _fault(kind: str, path: tuple[int | str, ...], message: str, value: object, 
     where, field = root.place_of(path), str(path[-1]) if path else ""
     if kind == "extra_forbidden":
         what = f"{dotted(path)}: unknown key"
-        return InputError(what, where=where, allowed=", ".join(_keys(path)), nearest=_nearest_key(path))
+        cure = _IN_SCENARIO if field in {"licence", "license"} else ""
+        return InputError(what, where=where, allowed=", ".join(_keys(path)), nearest=_nearest_key(path), cure=cure)
     if kind == "missing":
         return InputError(f"{dotted(path)}: missing", where=where)
+    if kind == "tuple_type" and isinstance(value, str):
+        item = f"{{family: {value}}}" if field == "authors" else value
+        return InputError(dotted(path), where=where, got=value, allowed="a list", cure=f"write [{item}]")
+    if kind == "string_type" and isinstance(value, int | float) and not isinstance(value, bool):
+        number = ".".join([*f"{value}".split("."), "0", "0"][:3]) if field == "version" else value
+        cure = f'write it as text: {field}: "{number}"'
+        return InputError(dotted(path), where=where, got=value, allowed=_ALLOWED.get(field, "text"), cure=cure)
     if kind == "string_pattern_mismatch":
         message = _ALLOWED.get(field, "one line of text that neither begins nor ends with a space")
     return InputError(dotted(path) or "top level", where=where, got=value, allowed=message)
