@@ -164,6 +164,9 @@ class _Fetch:
         data = self.store.get(name)
         if data is None or hashlib.sha256(data).hexdigest() != self.expected[name]:
             what = "is missing" if data is None else f"does not match {MANIFEST}"
-            cure = "remove it with the tools of the store, and upload the release again: only what is missing is sent"
+            cure = (
+                "remove it with the tools of the store, and upload the release again: only what is missing is sent; "
+                f"what was fetched stays in {self.folder} until the same command is repeated"
+            )
             raise InputError(what, where=f"{self.store.url}: {name}", cure=cure)
         write_file(self.folder / name, data)

@@ -149,7 +149,7 @@ def video(
     from fractions import Fraction
 
     from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
-    from symolo.core.files.atomic_files import write_chunks
+    from symolo.core.files.atomic_files import remove_left_of, write_chunks
     from symolo.core.progress import plural, report_here, seconds
     from symolo.video.build import Video, VideoSettings
     from symolo.video.encoders import FORMATS, check_encoder
@@ -157,6 +157,7 @@ def video(
     place = out or new_file_check(".mp4")(Path(f"{folder.absolute().name}.mp4"))
     kind = FORMATS[place.suffix]
     check_encoder(place)
+    remove_left_of(place)
     rate = Fraction(fps or kind.fps).limit_denominator(1000)
     settings = VideoSettings(width_px or kind.width_px, rate, speed, max_runs)
     with shown_runs(folder, runs) as data:

@@ -6,6 +6,7 @@ with a dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody
 
 import contextlib
 import errno
+import glob
 import hashlib
 import os
 import re
@@ -15,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from symolo.core.files.file_hashes import sha256_of
-from symolo.core.files.file_locks import lock
+from symolo.core.files.file_locks import can_lock, lock
 
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"
@@ -58,7 +59,7 @@ def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
             yield chunk
 
     with _whole(path) as beside:
-        _write_beside(beside, noted())
+        _write_beside(beside, noted(), is_locked=True)
         digest = sha256_of(beside)
         if digest != written.hexdigest():
             raise OSError(errno.EIO, "what is on the disk is not what was written", str(path))
@@ -106,9 +107,29 @@ def place_of(unfinished: Path) -> Path | None:
     return unfinished.with_name(match.group(1)) if match else None
 
 
-def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666) -> None:
+def remove_left_of(path: Path) -> None:
+    """Remove what killed processes left of a file that `write_chunks` wrote; what another process is writing stays."""
+    if not can_lock() or not path.parent.is_dir():
+        return
+    for beside in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+        if place_of(beside) != path or beside.is_symlink() or not beside.is_file():
+            continue
+        descriptor = os.open(beside, os.O_RDWR | _FLAGS | getattr(os, "O_NOFOLLOW", 0))
+        try:
+            lock(descriptor, wait=False)
+        except OSError:  # another process holds it, or the disk has no locks
+            continue
+        finally:
+            os.close(descriptor)
+        remove_file(beside)
+
+
+def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666, *, is_locked: bool = False) -> None:
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), mode)
     try:
+        if is_locked:  # shows that its process still lives, where the disk has locks
+            with contextlib.suppress(OSError):
+                lock(descriptor, wait=False)
         for chunk in chunks:
             _write_all(descriptor, chunk, beside)
         os.fsync(descriptor)

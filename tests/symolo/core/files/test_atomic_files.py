@@ -4,7 +4,14 @@ import os
 import pytest
 
 from symolo.core.files import atomic_files as whole_files
-from symolo.core.files.atomic_files import move, remove_folder, replace_folder, write_chunks, write_file
+from symolo.core.files.atomic_files import (
+    move,
+    remove_folder,
+    remove_left_of,
+    replace_folder,
+    write_chunks,
+    write_file,
+)
 from symolo.core.os_errors import lacking
 
 
@@ -56,3 +63,19 @@ def test_a_renaming_that_the_disk_has_lost_is_a_fault_of_the_disk(what, tmp_path
         act()
     assert "the disk reports a fault" in lacking(lost.value)
     assert {path.name for path in tmp_path.iterdir()} == {"new", "old", "source"}
+
+
+def test_what_a_killed_command_left_of_a_file_is_removed_and_what_another_is_writing_stays(tmp_path):
+    left = tmp_path / ".run.mp4.33402d907e2012ea.tmp"
+    of_another_file = tmp_path / ".walk.mp4.33402d907e2012ea.tmp"
+    for path in (left, of_another_file):
+        path.write_bytes(b"half")
+
+    def chunks():
+        yield b"one"
+        remove_left_of(tmp_path / "run.mp4")  # as a second command for the same file does
+        yield b"two"
+
+    write_chunks(tmp_path / "run.mp4", chunks())
+    assert sorted(path.name for path in tmp_path.iterdir()) == [of_another_file.name, "run.mp4"]
+    assert (tmp_path / "run.mp4").read_bytes() == b"onetwo"
