@@ -48,6 +48,14 @@ class Plan:
     def size(self) -> int:
         return sum(file.size for file in (*self.shards, *self.tables))
 
+    def warnings(self) -> Iterator[str]:
+        """Yield what a reader of the publication would miss."""
+        for name in self.metadata.splits.empty if self.metadata.splits else ():
+            yield (
+                f"the split {name} is empty, because its runs failed or were left out; the descriptions list it "
+                "without a run: release again with other splits or repaired runs"
+            )
+
 
 def plan(root: Path, about: About, shard_bytes: int) -> Plan:
     """Return the files of a publication; nothing is written.

@@ -163,6 +163,8 @@ def pack(
     description = read_about(about)
     check_new(out, folder)
     planned = plan(folder, description, round(shard_gb * 1e9))
+    for text in planned.warnings():
+        typer.echo(f"warning: {text}", err=True)
     if dry_run:
         for shard in planned.shards:
             typer.echo(f"{shard.name}: {plural(len(shard.members), 'file')}, {shard.size / 1e6:.3f} MB")

@@ -200,6 +200,20 @@ def test_an_export_of_a_split_whose_runs_all_failed_names_them(with_splits, sign
     assert "split validation is empty: CW/test_7 failed when the dataset was made; choose other splits" in ended.err
 
 
+def test_a_publication_of_a_dataset_with_an_empty_split_gets_a_warning(with_splits, sign, symolo, tmp_path):
+    path = with_splits / "metadata.json"
+    metadata = json.loads(path.read_text())
+    metadata["splits"]["runs"] = {"train": [TRAIN, TEST], "validation": []}
+    path.write_text(json.dumps(metadata))
+    sign(with_splits)
+    about = tmp_path / "about.yaml"
+    about.write_text('title: T\nauthors: [{family: F}]\npublished: "2026-11-22"\npublisher: Zenodo\n')
+    ended = symolo("pack", with_splits, "--about", about, "--out", tmp_path / "out", "--dry-run")
+    assert ended.code == 0, ended.err
+    assert ended.err.count("warning: the split ") == 1
+    assert "warning: the split validation is empty, because its runs failed or were left out" in ended.err
+
+
 def test_the_reader_gives_the_runs_and_images_of_a_split(with_splits, random_release):
     data = library.load(with_splits)
     assert [run.name for run in data.split("train")] == [TRAIN]
