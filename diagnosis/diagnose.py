@@ -218,13 +218,8 @@ def diagnose(
     if not result.leaves_only_outliers and (better := rescued(evidence, selection, library.testable)) is not None:
         selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
-    measured, slow = evidence, random_drift(evidence, selection.nominal, selection.fit)
-    if slow is not None:
-        steady, without_it = selected(evidence.without(slow.path_m), bare, library.testable)
-        rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
-        # Beside a structure that the error leaves, it may be a part of the unknown cause.
-        slow = None if rest.has_cause else slow
-        evidence, selection, result = (steady, without_it, rest) if slow else (evidence, selection, result)
+    measured = evidence
+    evidence, selection, result, slow = _beside_random_drift(evidence, bare, library, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     progress.begin(Phase.RIVALS)
     comparisons = [
@@ -264,6 +259,20 @@ def diagnose(
         random_drift=slow,
         alternatives=alternatives,
     )
+
+
+def _beside_random_drift(
+    evidence: Evidence, bare: Hypothesis, library: Candidates, selection: Selection, result: Adequacy
+) -> tuple[Evidence, Selection, Adequacy, RandomDrift | None]:
+    """Return evidence, selection and structures beside a random drift of the ranges, and the drift if there is one."""
+    slow = random_drift(evidence, selection.nominal, selection.fit)
+    if slow is None:
+        return evidence, selection, result, None
+    beside = evidence.without(slow.path_m) if slow.memory is None else evidence.beside(slow.memory)
+    steady, without_it = selected(beside, bare, library.testable)
+    rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
+    # Beside a structure that the error leaves, it may be a part of the unknown cause.
+    return (evidence, selection, result, None) if rest.has_cause else (steady, without_it, rest, slow)
 
 
 def _evidence(stages: Sequence[Stage], bare: Hypothesis, progress: DiagnosisProgress | None = None) -> Evidence:

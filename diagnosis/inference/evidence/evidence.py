@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
+from diagnosis.inference.evidence.drift_memory import DriftMemory
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Observed, Stage
 from diagnosis.predictors.count_noise import Whitening
@@ -86,6 +87,8 @@ class Evidence:
         # The variance of a mean of many AR(1) samples is (1 + p)/(1 - p) times that of independent ones.
         self.weight = np.repeat([(1.0 - p) / (1.0 + p) for p in self.correlations], self.counts)
         """(N,), number of independent samples that a sample is worth."""
+        self.memory: DriftMemory | None = None
+        """What a random drift carries over from row to row; None without any."""
         self.memo: dict[Hashable, object] = {}
         """Results of the functions that are `memoized`, by function and arguments."""
         self.on_predicted: Callable[[int], None] = _nothing
@@ -131,8 +134,10 @@ class Evidence:
     def with_noises(self, noises: Mapping[str, EstimatedNoise]) -> "Evidence":
         """Return the same evidence with other estimated noises."""
         others = Evidence(self.stages, noises)
-        others.readings = self.readings
-        others.values = others.whitened(self.readings)
+        others.readings, others.memory = self.readings, self.memory
+        others.values = others.compared(self.readings)
+        if self.memory is not None:
+            others.sd *= self.memory.wider
         others.on_predicted, others.on_fits = self.on_predicted, self.on_fits
         return others
 
@@ -141,7 +146,7 @@ class Evidence:
         others = copy(self)
         others.memo = {}
         others.readings = self.readings - error
-        others.values = others.whitened(others.readings)
+        others.values = others.compared(others.readings)
         return others
 
     @overload
@@ -163,13 +168,26 @@ class Evidence:
         others = copy(self)
         others.memo = {}
         others.whitenings = [None] * len(self.observed)
-        others.values = self.readings
+        others.values = others.compared(self.readings)
         return others
 
     def unwhitened(self, number: int, residuals: Array) -> Array:
         """Return residuals (n,) of the samples of one quantity in sigmas as those of its readings."""
         whitening = self.whitenings[number]
         return residuals if whitening is None else whitening.undone(residuals)
+
+    def beside(self, memory: DriftMemory) -> "Evidence":
+        """Return the same evidence beside a random drift: each sample is compared with what others say about it."""
+        others = copy(self)
+        others.memo = {}
+        others.memory = memory
+        others.values, others.sd = others.compared(self.readings), self.sd * memory.wider
+        return others
+
+    def compared(self, readings: Array) -> Array:
+        """Return readings (N,) as they are compared with predictions."""
+        values = self.whitened(readings)
+        return values if self.memory is None else values - self.memory.carried(values)
 
     def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
@@ -190,6 +208,8 @@ class Evidence:
                     sd[batch, place] = self._sd_of(observed, predicted.sd)
                     if predicted.by_tolerances is not None:
                         by_tolerances[batch] += predicted.by_tolerances
+        if self.memory is not None:
+            mean, sd = mean - self.memory.carried(mean), sd * self.memory.wider
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd), by_tolerances)
 
     def has_early_voltages(self, observed: Observed) -> bool:

@@ -10,14 +10,17 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.gain import gain_of
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
-from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, withheld
-from diagnosis.inference.selection.refusal import is_at_bound, is_of_noise, needed
+from diagnosis.inference.naming.verdict import MARGIN, SUBSTITUTE, NameEvidence, WithheldName, withheld
+from diagnosis.inference.selection.refusal import heldout_falls, is_at_bound, is_of_noise, needed
 from diagnosis.inference.selection.removal import cancelled_by, without
-from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals
+from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals, with_random_drift
 from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
+from diagnosis.inference.unexplained.random_drift import rise_with_drift
 from diagnosis.inference.unexplained.retained_effects import retained_effects
+from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ def standing(
         measured: The observations as they were measured, on which gains are computed.
     """
     nominal = selection.nominal
+    model = _beside_drift(evidence, model)
     withheld_names: list[WithheldName] = []
     while True:
         bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
@@ -78,7 +82,7 @@ def standing(
         fit = model.fit
         for _, comparison in going:
             fit = without(evidence, fit, comparison.effect)
-        left = with_forms(evidence, nominal, fit, adequacy(evidence, fit))
+        left = with_scatter(evidence, fit, with_forms(evidence, nominal, fit, adequacy(evidence, fit)))
         if left.has_cause and fit.hypothesis.effects:
             retained = retained_effects(evidence, nominal, fit, left)
             substitutes = [effect for effect in fit.hypothesis.effects if effect not in retained]
@@ -90,7 +94,15 @@ def standing(
             compare_rivals(evidence, fit, effect, effects, pairs=selection.pairs, is_whole=not result.has_cause)
             for effect in fit.hypothesis.effects
         ]
-        model = NamedModel(fit, comparisons, result)
+        model = _beside_drift(evidence, NamedModel(fit, comparisons, result))
+
+
+def _beside_drift(evidence: Evidence, model: NamedModel) -> NamedModel:
+    """Return the model with a random drift of the ranges as a further rival of each name."""
+    comparisons = [
+        with_random_drift(each, rise_with_drift(evidence, model.fit, each.effect)) for each in model.comparisons
+    ]
+    return replace(model, comparisons=comparisons)
 
 
 def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> float | None:
@@ -100,7 +112,10 @@ def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, e
     """
     if is_of_noise(fit, effect):
         return None
-    gained = gain_of(measured, np.stack([each.evidence.values - each.z * each.sd for each in (base, fit)]))
+    both = [each.evidence.values - each.z * each.sd for each in (base, fit)]
+    if fit.evidence.memory is not None:
+        both = [measured.predicted([each.robot]).moved(each.local_change).mean[0] for each in (base, fit)]
+    gained = gain_of(measured, np.stack(both))
     return None if gained is None else gained.high
 
 
@@ -117,8 +132,8 @@ def _name_evidence(
     confidence counts in any case: nobody believes a name at 1 %.
     """
     fit, effect, has_rest = model.fit, comparison.effect, not model.result.leaves_only_outliers
-    heldout_rise = float((base.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None
-    rival = None if has_rest else next((rival for rival in comparison.rivals if not rival.refused), None)
+    heldout_rise = float(heldout_falls(evidence, base, fit, effect).sum()) if evidence.heldout.any() else None
+    rival = None if has_rest else comparison.closest
     return NameEvidence(
         name=effect.name,
         rise=base.cost - fit.cost,
@@ -128,7 +143,9 @@ def _name_evidence(
         is_at_bound=is_at_bound(fit, effect),
         contradicted_by="",
         cancelled_by=cancelled_by(evidence, nominal, fit, effect),
-        closest_rival=None if rival is None else (rival.effect.name, rival.worse),
+        closest_rival=rival,
         ahead=-np.inf if has_rest else advantage(evidence, base, fit),
         confidence=comparison.confidence,
+        # The statement, which the noise goes beyond, is the worst that is possible already.
+        margin=0.0 if effect.kind is NoiseScale else MARGIN,
     )

@@ -76,6 +76,8 @@ class NameEvidence:
     ahead: float
     """Fall of the cost by which the best simple form of an error, whose cause is in no list, explains more."""
     confidence: float
+    margin: float = MARGIN
+    """Fall of the cost beyond what the selection needs, from which the name stands."""
     gain_at_most: float | None = None
     """Upper end of the 95 % interval of what the effect gains on the held-out rows; None if these cannot show it."""
 
@@ -129,7 +131,7 @@ def withheld(evidence: NameEvidence) -> str:
         return "an error of simple form, whose cause is in no list, explains the data better"
     # Both are differences of log-likelihoods for independent rows, so that they add up.
     rise = evidence.rise + heldout_rise
-    if rise < evidence.needed + MARGIN:
+    if rise < evidence.needed + evidence.margin:
         return f"the cost falls by {rise:.1f} only, little more than by chance"
     if evidence.confidence < MIN_WEIGHT:
         return f"its weight among the alternatives is only {100.0 * evidence.confidence:.2g} %"

@@ -14,6 +14,7 @@ from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.fitting.likelihood import costs_of_residuals
 from diagnosis.inference.unexplained.adequacy import adequacy
 from sensors.effects.range_sensor.noise_scale import NoiseScale
 from symolo.core.arrays import Array
@@ -46,7 +47,7 @@ MAX_WORSE = 2.0
 """Rise of the cost of held-out rows in standard deviations of the sum, up to which they do not contradict an effect."""
 MIN_SAMPLES = 8
 """Least number of samples for naming an effect."""
-MIN_SAMPLES_OF_NOISE = 40
+MIN_SAMPLES_OF_NOISE = 16
 """Least number of samples for naming an effect of the noise: in fewer ones, no test could see what else it may be."""
 STATED_WITHIN = 2.0
 """Factor within which a stated noise may be wrong (GAP_FORMAT)."""
@@ -97,8 +98,8 @@ def refusal(
         return ""
     if is_of_noise(after, effect) and (reason := _refusal_of_noise(evidence, before, after, effect)):
         return reason
-    heldout_falls, fit_falls = falls[evidence.heldout], np.maximum(falls[evidence.fit], 0.0)
-    rise = -float(heldout_falls.sum())
+    of_heldout, fit_falls = heldout_falls(evidence, before, after, effect), np.maximum(falls[evidence.fit], 0.0)
+    rise = -float(of_heldout.sum())
     rows = _effective(fit_falls)
     few = rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit))
     # An effect goes through as many outliers as it has parameters. Two more rows that agree are not there by chance, if
@@ -111,9 +112,24 @@ def refusal(
     if few and not agrees and rise > -CLEAR:
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     # Where the noise falls with an effect, a few outliers among the held-out rows cost far more.
-    if rise > max(CLEAR, MAX_WORSE * float(np.sqrt((heldout_falls**2).sum()))):
+    if rise > max(CLEAR, MAX_WORSE * float(np.sqrt((of_heldout**2).sum()))):
         return f"the cost of the held-out rows rises by {rise:.1f}"
     return ""
+
+
+def heldout_falls(evidence: Evidence, before: HypothesisFit, after: HypothesisFit, effect: CandidateEffect) -> Array:
+    """Return by how much the cost of each held-out row falls with an effect.
+
+    Rows speak against an effect of the mean only if they also do so with the same noise. A worse model has more
+    outliers and a higher level, for which an outlier among the held-out rows costs less.
+    """
+    falls = (before.costs - after.costs)[evidence.heldout]
+    if float(falls.sum()) >= 0.0 or is_of_noise(after, effect):
+        return falls
+    level = (after.noise.levels / before.noise.levels)[evidence.quantity]
+    costs = costs_of_residuals(evidence, before.z / level, before.sd * level, after.noise)
+    alike = (costs - after.costs)[evidence.heldout]
+    return np.zeros_like(falls) if float(alike.sum()) > 0.0 else max(falls, alike, key=lambda each: float(each.sum()))
 
 
 def _effective(falls: Array) -> float:
@@ -169,14 +185,14 @@ def _refusal_of_noise(evidence: Evidence, before: HypothesisFit, after: Hypothes
     """Return why an effect of the noise is not accepted; empty if it is."""
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES_OF_NOISE:
         return f"with fewer than {MIN_SAMPLES_OF_NOISE} samples, noise looks like an error of any other kind"
-    if _is_within_statement(after, effect):
+    if is_within_statement(after, effect):
         return "the noise may be as large as stated, within a factor of two"
     if adequacy(evidence, before).has_cause:
         return "the mean has structure, which must be explained before the noise"
     return ""
 
 
-def _is_within_statement(fit: HypothesisFit, effect: CandidateEffect) -> bool:
+def is_within_statement(fit: HypothesisFit, effect: CandidateEffect) -> bool:
     """Return whether a factor on the noise is not clearly beyond that by which a statement may be wrong."""
     if effect.kind is not NoiseScale:
         return False

@@ -13,7 +13,7 @@ the cases `wide_a` (docs/diagnosis_evaluation.md), where 97 % of the surest name
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from typing import cast
 
@@ -24,11 +24,12 @@ from diagnosis.inference.fitting.fit import Contest, HypothesisFit, fits, fits_o
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.penalty import parameter_penalty
-from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, needed, refusal
+from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, is_within_statement, needed, refusal
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.stepwise import replaced
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.range_sensor.noise_scale import NoiseScale
+from sensors.effects.range_sensor.range_wander import RangeWander
 
 AS_GOOD = 4.6
 """Increase of the cost up to which a rival explains the data as well: its weight is then a tenth of the name's."""
@@ -79,9 +80,20 @@ class RivalComparison:
     by_chance: float = np.inf
     """Increase of the cost without any effect, beyond the threshold for naming one."""
 
+    drift_worse: float = np.inf
+    """Increase of the cost with a random drift of the ranges in the place of the effect."""
+
+    @property
+    def closest(self) -> tuple[str, float] | None:
+        """Name of the closest accepted rival and the increase of the cost with it; None if there is none."""
+        accepted = [(rival.effect.name, rival.worse) for rival in self.rivals if not rival.refused]
+        drift = [(RangeWander.name, self.drift_worse)] if np.isfinite(self.drift_worse) else []
+        return min([*accepted, *drift], key=lambda rival: rival[1], default=None)
+
     @property
     def ambiguous_with(self) -> tuple[str, ...]:
-        return tuple(rival.effect.name for rival in self.rivals if rival.worse < AS_GOOD)
+        near = [(rival.worse, rival.effect.name) for rival in self.rivals] + [(self.drift_worse, RangeWander.name)]
+        return tuple(name for worse, name in sorted(near, key=lambda each: each[0]) if worse < AS_GOOD)
 
 
 def compare_rivals(
@@ -179,7 +191,13 @@ def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[Hypothesis
     if len(fit.hypothesis.effects) > 2:
         return []
     kinds = {other.kind for other in fit.hypothesis.effects}
-    others = [pair for pair in pairs if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)]
+    others = [
+        pair
+        for pair in pairs
+        if kinds.isdisjoint(other.kind for other in pair.hypothesis.effects)
+        # A factor by which a statement may be wrong is no effect.
+        and not any(is_within_statement(pair, other) for other in pair.hypothesis.effects)
+    ]
     if not others:
         return []
     rises = rises_over(evidence, fit, others)
@@ -199,6 +217,16 @@ def _of_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffec
     x[place] = at
     (fixed,) = fits(evidence, [(fit.hypothesis.with_fixed(place, at), x)])
     return [(STATEMENT, fixed.whole_cost - fit.whole_cost)]
+
+
+def with_random_drift(comparison: RivalComparison, worse: float) -> RivalComparison:
+    """Return the comparison with a random drift of the ranges, which costs more by a number, as a further rival."""
+    if not np.isfinite(worse):
+        return comparison
+    certainty = 1.0 / (1.0 / max(comparison.confidence, 1e-9) + relative_weight(max(worse, -50.0)))
+    others = (*comparison.others, (RangeWander.name, worse))
+    others = tuple(sorted(others, key=lambda other: other[1]))
+    return replace(comparison, confidence=certainty, others=others, drift_worse=worse)
 
 
 def relative_weight(rise: float) -> float:

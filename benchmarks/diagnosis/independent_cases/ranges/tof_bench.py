@@ -249,6 +249,22 @@ class RangeSetting(Setting):
             return float(len(ratio) * np.log(np.mean(ratio)) - np.sum(np.log(ratio)))
         return float(np.sum(ratio - 1 - np.log(ratio)))
 
+    def noise_covariance(self, effects: Sequence[Effect], level: float = 1.0, correlation: float = 0.0) -> Array:
+        """Return the covariance (m2) of the fit rows by the noise, its effects, and tolerances of offset and scale.
+
+        Args:
+            effects: Effects, of which those of the noise count.
+            level: Variance of the white noise, relative to the true one.
+            correlation: Of neighbours, in that noise.
+        """
+        fit = ~self.holdout
+        sd, row = self._rounded_sd(effects)[fit], np.arange(fit.sum())
+        offset, scale = (self.nominal[key][1] for key in ("range_offset", "range_scale"))
+        columns = np.stack([np.ones(len(sd)) * offset, self.bench.distance_m[fit] * scale], axis=1)
+        slow = self._wander(effects, sd)
+        noise = level * correlation ** np.abs(np.subtract.outer(row, row)) + (0.0 if slow is None else slow)
+        return np.outer(sd, sd) * noise + columns @ columns.T
+
     def signatures(self, variants: Sequence[Variant], noise_effects: Sequence[Effect]) -> Array:
         sd, fit = self._rounded_sd(noise_effects), ~self.holdout
         z = np.stack([self.predict(variant) for variant in variants]) / sd

@@ -10,6 +10,7 @@ import pytest
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.naming.named_model import NamedModel, _gain_at_most, _name_evidence
 from diagnosis.inference.naming.verdict import withheld
+from diagnosis.inference.selection.refusal import CLEAR
 from diagnosis.inference.selection.rivals import RivalComparison
 
 X = np.linspace(-1.0, 1.0, 120)
@@ -50,3 +51,21 @@ def test_a_name_that_nobody_believes_is_withheld_beside_a_structure_too(
     comparison = RivalComparison(gain, confidence, ())
     name = _name_evidence(evidence, base, NamedModel(fit, [comparison], structure), comparison, base)
     assert (not withheld(name)) is stands
+
+
+def test_outliers_among_the_held_out_rows_say_nothing_against_an_effect_that_leaves_none(
+    evidence_of, hypothesis, effect
+):
+    """The effect changes three rows of the fit. Without it, these are outliers, and others cost less."""
+    x = np.where(np.arange(120) % 30 == 5, 1.0, 0.0)
+    x[90:] = 0.0
+    readings = 1.3 * x + 0.01 * np.random.default_rng(6).standard_normal(120)
+    readings[[108, 112, 116]] += 0.5
+    gain = effect("current_sensor_gain")
+    evidence = evidence_of(x, readings, heldout=15)
+    base, fit = fits(evidence, [(each, each.null()) for each in (hypothesis, hypothesis.with_effect(gain))])
+    assert float((base.costs - fit.costs)[evidence.heldout].sum()) < -CLEAR
+    comparison = RivalComparison(gain, 0.9, ())
+    adequate: Any = SimpleNamespace(leaves_only_outliers=True)
+    name = _name_evidence(evidence, base, NamedModel(fit, [comparison], adequate), comparison, base)
+    assert name.heldout_rise == pytest.approx(0.0, abs=0.5)

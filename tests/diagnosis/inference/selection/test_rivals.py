@@ -19,6 +19,7 @@ from diagnosis.inference.selection.rivals import (
     TEMPERATURE,
     compare_rivals,
     confidence,
+    with_random_drift,
 )
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Predicted
@@ -102,6 +103,26 @@ def test_two_effects_compete_with_two_others_but_not_with_a_pair_that_shares_one
         pytest.approx(PARAMETER_PENALTY, abs=0.1),
     ) in found.others
     assert "in place of both" not in str(compare_rivals(evidence, both, offset, [], pairs=[sharing]).others)
+
+
+def test_a_noise_that_may_be_stated_wrongly_is_no_part_of_a_rival(bench, effect):
+    """Nobody would name it, so that it does not help two effects against one."""
+    evidence, fit, gain = bench
+    with_noise = fit.hypothesis.without(gain).with_effect(effect("current_sensor_offset"))
+    (pair,) = fits(evidence, [(with_noise.with_effect(CandidateEffect(NoiseScale)), np.zeros(3))])
+    alone, found = (compare_rivals(evidence, fit, gain, [gain], pairs=pairs) for pairs in ([], [pair]))
+    assert found.others == alone.others
+
+
+def test_a_random_drift_that_explains_as_much_is_named_beside_the_effect(bench):
+    evidence, fit, gain = bench
+    alone = compare_rivals(evidence, fit, gain, [gain])
+    found = with_random_drift(alone, 2.0)
+    assert found.ambiguous_with == ("range_wander",)
+    assert 1.0 / found.confidence - 1.0 / alone.confidence == pytest.approx(exp(-0.5 * 2.0 / TEMPERATURE))
+    assert found.closest == ("range_wander", 2.0)
+    assert with_random_drift(alone, 5.0).ambiguous_with == ()
+    assert with_random_drift(alone, np.inf) == alone
 
 
 def test_a_rival_is_compared_by_all_rows_and_not_by_what_some_rows_leave_open(bench_near_zero, effect):

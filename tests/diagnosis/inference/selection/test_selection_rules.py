@@ -85,7 +85,8 @@ class TestRefusal:
             monkeypatch.setattr(refusals, "is_at_bound", lambda fit, effect: effect in fit.bound)
             monkeypatch.setattr(refusals, "is_of_noise", lambda *_: noise)
             monkeypatch.setattr(refusals, "adequacy", lambda *_: SimpleNamespace(has_cause=cause))
-            monkeypatch.setattr(refusals, "_is_within_statement", lambda *_: within)
+            monkeypatch.setattr(refusals, "is_within_statement", lambda *_: within)
+            monkeypatch.setattr(refusals, "heldout_falls", lambda *_: np.array(heldout, dtype=float))
             return refusal(evidence, before, after, A)
 
         return judge
@@ -149,10 +150,10 @@ class TestRefusal:
         reason = judged(np.ones(100), noise=noise, cause=cause)
         assert reason == ("" if is_named else "the mean has structure, which must be explained before the noise")
 
-    @pytest.mark.parametrize(("rows", "noise", "is_named"), [(39, True, False), (40, True, True), (39, False, True)])
-    def test_wider_noise_is_named_from_40_samples_on(self, judged, rows, noise, is_named):
+    @pytest.mark.parametrize(("rows", "noise", "is_named"), [(15, True, False), (16, True, True), (15, False, True)])
+    def test_wider_noise_is_named_from_16_samples_on(self, judged, rows, noise, is_named):
         reason = judged(np.ones(rows), noise=noise)
-        assert reason == ("" if is_named else "with fewer than 40 samples, noise looks like an error of any other kind")
+        assert reason == ("" if is_named else "with fewer than 16 samples, noise looks like an error of any other kind")
 
     def test_noise_within_twice_the_statement_is_no_effect(self, judged):
         reason = judged(np.ones(100), noise=True, within=True)
@@ -167,7 +168,7 @@ class TestRefusal:
         change = np.log(scale) + np.copysign(0.1 * errors, scale - 1.0)
         hypothesis = SimpleNamespace(parameters=lambda _: slice(0, 1), null=lambda: np.zeros(1))
         fit: Any = SimpleNamespace(hypothesis=hypothesis, x=np.array([change]), covariance=np.array([[0.01]]))
-        assert refusals._is_within_statement(fit, effect) is is_within
+        assert refusals.is_within_statement(fit, effect) is is_within
 
     def test_an_effect_at_its_bound_is_refused(self, judged):
         assert judged(np.ones(100), at_bound_after=[A]) == "its size would exceed its bounds"

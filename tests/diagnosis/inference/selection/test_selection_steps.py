@@ -9,7 +9,7 @@ import pytest
 
 from diagnosis.inference.fitting.fit import at, fits
 from diagnosis.inference.selection import stepwise as module
-from diagnosis.inference.selection.refusal import is_negligible, needed, refusal
+from diagnosis.inference.selection.refusal import CLEAR, heldout_falls, is_negligible, needed, refusal
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.scan import Prospect
 from diagnosis.inference.selection.stepwise import (
@@ -152,6 +152,20 @@ def test_held_out_rows_speak_against_an_effect_from_a_rise_of_8_on(evidence_of, 
     assert bool(reason) is is_refused
 
 
+def test_outliers_among_the_held_out_rows_do_not_speak_against_an_effect(evidence_of, fitted, effect):
+    """It changes three rows of the fit. Without it, these are outliers, and others cost less."""
+    x = np.where(np.arange(105) % 30 == 5, 1.0, 0.0)
+    x[90:] = 0.0
+    readings = 1.3 * x + 0.01 * np.random.default_rng(6).standard_normal(105)
+    readings[[93, 97, 101]] += 0.5
+    evidence = evidence_of(x, readings, heldout=15)
+    before, after = fitted(evidence), fitted(evidence, "current_sensor_gain")
+    assert float((before.costs - after.costs)[evidence.heldout].sum()) < -CLEAR
+    assert float(heldout_falls(evidence, before, after, effect("current_sensor_gain")).sum()) == pytest.approx(
+        0.0, abs=0.5
+    )
+
+
 def test_an_effect_that_lowers_the_cost_too_little_is_taken_out_again(evidence_of, fitted):
     both = ("current_sensor_gain", "current_sensor_offset")
     needless = evidence_of(X, 1.4 * X)
@@ -201,9 +215,9 @@ def test_the_best_pair_stays_what_it_is_and_a_pair_that_is_refused_is_none(evide
     found = _best_pair(evidence, base, _pairs(evidence, base, effects), fitted(evidence, names[1]))
     assert {e.name for e in found.hypothesis.effects} == set(names)
     # Held-out rows without the offset refuse it, however much it explains of the others.
-    n = 30
+    middle = X[45:75]
     contradicted = evidence_of(
-        np.concatenate([X, X[:n]]), np.concatenate([1.4 * X + 0.05, 1.4 * X[:n] - 0.5]), heldout=n
+        np.concatenate([X, middle]), np.concatenate([1.4 * X + 0.05, 1.4 * middle]), heldout=len(middle)
     )
     alone, base = fitted(contradicted, names[0]), fitted(contradicted)
     assert _best_pair(contradicted, base, _pairs(contradicted, base, effects), alone) is alone

@@ -1,0 +1,129 @@
+"""What looks like a random drift of range sensors: errors that are simpler, or that depend on something else."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.unexplained.gauss_markov import Likelihoods, likelihoods
+from diagnosis.inference.unexplained.range_series import RangeRows, RangeSeries, coordinates
+from diagnosis.measured.channel import Mask
+from symolo.core.arrays import Array
+
+SHORT = (0.3, 0.45, 0.62)
+"""Time constants of correlated noise, in rows of a bench: neighbours have a correlation of up to 0.2."""
+SHORT_OF_SERIES = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
+"""The same in rows of a time series."""
+JUMP_ROWS = 4
+"""Rows at either end between which an offset may jump."""
+RATIOS = np.geomspace(0.01, 1000.0, 50)
+"""Variance of the random drift over that of the white noise."""
+WITHOUT_WHITE = np.array([1e3])
+"""Such a ratio for noise that has hardly any white part."""
+DISTANCE = "distance_m"
+MIN_WAVES = 1.5
+"""Least number of waves within the range of the distance."""
+
+
+def gains_of_others(
+    fit: HypothesisFit, times_s: Array, ranges: RangeRows, time_s: Array, rows: Mask
+) -> Iterator[float]:
+    """Yield the falls of the cost of white noise by errors that look alike where a log is not varied enough.
+
+    One of them drifts in proportion to the distance, as a scale does. The others are any functions of a covariate other
+    than time, of each sensor or of all of them: along it, they have the same likelihood as a random drift has along
+    time. Their white noise may have any size, as that to which each is compared has, while that beside the drift is at
+    most twice the stated one. So a rival is never less likely than with the same limit: what a large noise explains as
+    well is not named a drift.
+    """
+    for covariate in ranges.covariates:
+        known = rows & np.isfinite(covariate.values)
+        if not known.any():
+            continue
+        for at, lengths in coordinates(covariate):
+            for along in (ranges.of_sensor(at), at) if ranges.sensors > 1 else (at,):
+                series = RangeSeries.of(fit, ranges, along, known)
+                yield _gain(series, likelihoods(series.at, series.residual_m, series.sd_m, lengths, RATIOS))
+        if covariate.name == DISTANCE:
+            share = np.where(known, covariate.values, 1.0)
+            relative = replace(fit, sd=_over(fit.sd, ranges.place, share))
+            series = RangeSeries.of(relative, ranges, time_s, known & (share > 0.0))
+            likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
+            yield _gain(series, likely)
+
+
+def cost_of_wave(fit: HypothesisFit, ranges: RangeRows, rows: Mask) -> float:
+    """Return the cost of white noise about the best wave along the distance, such as a cyclic error of the phase."""
+    best = np.inf
+    for covariate in ranges.covariates:
+        known = rows & np.isfinite(covariate.values)
+        if covariate.name != DISTANCE or not known.any():
+            continue
+        series = RangeSeries.of(fit, ranges, covariate.values, known)
+        turns = 2.0 * np.pi * (series.at - series.at[0]) / max(float(np.ptp(series.at)), 1e-12)
+        for waves in np.arange(MIN_WAVES, len(np.unique(series.at)) / 3.0, 1.0 / 3.0):
+            both = np.stack([np.cos(waves * turns), np.sin(waves * turns)], axis=1) / series.sd_m[:, None]
+            best = min(best, series.cost_of(left_over(series.z, both)))
+    return best
+
+
+def _over(values: Array, place: NDArray[np.int64], divisor: Array) -> Array:
+    """Return values (N,) of which those of one quantity are divided by numbers (n,)."""
+    divided = values.copy()
+    divided[place] /= divisor
+    return divided
+
+
+def _gain(series: RangeSeries, likely: Likelihoods) -> float:
+    """Return the fall of the cost of white noise by an error beside it."""
+    return series.cost_of(float(series.z @ series.z)) - float(likely.costs.min())
+
+
+def short_noise(series: RangeSeries, times_s: Array, greatest_level: float) -> tuple[float, float]:
+    """Return cost and variance of noise that is correlated over few rows and has hardly any white part.
+
+    It is no larger than noise can be; a larger error is a drift.
+
+    Args:
+        series: The residuals.
+        times_s: (T,), time constants.
+        greatest_level: Greatest variance of the noise, relative to that of the rows.
+    """
+    most = greatest_level / float(WITHOUT_WHITE[0])
+    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, greatest_level=most)
+    best = np.unravel_index(int(likely.costs.argmin()), likely.costs.shape)
+    return float(likely.costs[best]), float(likely.levels[best] * (1.0 + WITHOUT_WHITE[0]))
+
+
+def cost_of_jump(series: RangeSeries) -> float:
+    """Return the cost of an offset of one path that changes once, at the best moment."""
+    falls = [_fall_by_jump(series.z[inside], series.sd_m[inside]) for inside in _each_path(series)]
+    return series.cost_of(float(series.z @ series.z) - max(falls))
+
+
+def _fall_by_jump(z: Array, sd: Array) -> float:
+    """Return the fall of the sum of squares by the means before and after the best moment."""
+    if len(z) <= 2 * JUMP_ROWS + 1:
+        return 0.0
+    weight, weighed = np.cumsum(sd**-2.0), np.cumsum(z / sd)
+    before, after = weighed[:-1] ** 2 / weight[:-1], (weighed[-1] - weighed[:-1]) ** 2 / (weight[-1] - weight[:-1])
+    return float((before + after)[JUMP_ROWS:-JUMP_ROWS].max())
+
+
+def lines(series: RangeSeries) -> Array:
+    """Return a constant and a line in time (n, 2 K) for each of the K paths."""
+    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in _each_path(series) for k in (0, 1)]
+    return np.stack(columns, axis=1)
+
+
+def _each_path(series: RangeSeries) -> Iterator[Mask]:
+    for number in np.unique(series.path):
+        yield series.path == number
+
+
+def left_over(z: Array, columns: Array) -> float:
+    """Return the sum of squares that the columns leave."""
+    rest = z - columns @ np.linalg.lstsq(columns, z, rcond=None)[0]
+    return float(rest @ rest)
