@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, norm
 
 from benchmarks.diagnosis.independent_cases.case import make_cases
 from benchmarks.diagnosis.independent_cases.detectability import left_over
@@ -9,6 +10,7 @@ from benchmarks.diagnosis.independent_cases.drives.room import cast
 from benchmarks.diagnosis.independent_cases.files import write_case, write_truth
 from benchmarks.diagnosis.independent_cases.judge import grade, parameter_hits, stated_names, wilson
 from benchmarks.diagnosis.independent_cases.ranges.tof_bench import CHANNEL, RangeSetting
+from benchmarks.diagnosis.independent_cases.ranges.unknown_noise import power_of_f_test, power_of_noise_test
 from benchmarks.diagnosis.independent_cases.recipes import Effect, Variant
 
 
@@ -120,3 +122,18 @@ def test_stated_names_are_right_or_near_rivals_or_wrong():
     expected = [(0.9, True, True), (0.9, False, True), (0.9, False, False)]
     assert stated_names(truth, {"effects": [*answers, {"name": "no_confidence"}]}) == expected
     assert stated_names(truth, None) == []
+
+
+def test_a_test_that_learns_the_noise_names_by_chance_as_often_as_its_level_and_sees_less_in_few_rows():
+    """With one number and many rows, F and noncentral F are those of a normal variable squared."""
+    assert power_of_f_test(1e-6, 1, 100, 0.01) == pytest.approx(0.01, rel=1e-3)
+    many = power_of_f_test(9.0, 1, 100_000, 0.01)
+    assert many == pytest.approx(norm.sf(norm.isf(0.005) - 3.0) + norm.cdf(-norm.isf(0.005) - 3.0), rel=1e-3)
+    assert power_of_f_test(9.0, 1, 10, 0.01) < many
+
+
+def test_a_larger_noise_is_seen_by_its_sum_of_squares():
+    """The most powerful test compares it with the chi-square distribution."""
+    rows, scale = 40, 1.5
+    power = power_of_noise_test(np.eye(rows), scale**2 * np.eye(rows), 0.01)
+    assert power == pytest.approx(chi2.sf(chi2.isf(0.01, rows) / scale**2, rows), abs=0.03)
