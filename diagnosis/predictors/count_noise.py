@@ -15,6 +15,7 @@ noise that is taken as independent has.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solve_banded
 
 from diagnosis.measured.channel import Mask
@@ -25,6 +26,8 @@ LEAST_TORQUE = 0.2
 only the counts round."""
 KEPT = (1e-6, 1.0 - 1e-6)
 """Least and greatest share of its speed that a motor keeps from row to row."""
+MAX_PERIODS = 1.5
+"""Duration of a row in periods from which it has a gap before it."""
 UNKNOWN = 1e6
 """Variance of a speed that is not known, relative to that of the others."""
 
@@ -67,6 +70,24 @@ class Whitening:
         innovations = self.sd * np.asarray(solve_banded((2, 0), self.factor, rest.T, check_finite=False)).T
         # A row without a prediction stays without one, and one without a reading may have any value.
         return np.where(np.isfinite(flat), innovations, flat).reshape(speeds.shape)
+
+
+def continued(trial: NDArray[np.int64], holdout: Mask, lasts_s: Array, period_s: float) -> Mask:
+    """Return whether each row (n,) continues the one before it, so that what one shows says something of the other.
+
+    No row of the fit is compared with what held-out rows show. A row that lasts longer than the others, after a gap,
+    keeps another share of the speed, and begins anew, as does the row after it.
+
+    Args:
+        trial: (n,), trial of each row.
+        holdout: (n,), rows that are held out.
+        lasts_s: (n,), durations of the rows.
+        period_s: Usual duration of a row.
+    """
+    is_long = lasts_s > MAX_PERIODS * period_s
+    result = np.zeros(len(trial), dtype=bool)
+    result[1:] = (np.diff(trial) == 0) & (holdout[1:] == holdout[:-1]) & ~is_long[1:] & ~is_long[:-1]
+    return result
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
-from diagnosis.predictors.count_noise import CountNoise
+from diagnosis.predictors.count_noise import CountNoise, continued
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
 from diagnosis.predictors.early_voltages import (
@@ -99,9 +99,7 @@ class Wheels:
         lasts_s[self._first] = self._lasts_s
         # The error of a rounded count is even, and there are two of them in each speed.
         rounding = 2.0 * pi / self._counts / lasts_s / np.sqrt(6.0)
-        goes_on = np.zeros(len(rounding), dtype=bool)
-        # No row of the fit is compared with what held-out rows show.
-        goes_on[1:] = (np.diff(observed.trial) == 0) & (np.diff(observed.holdout.astype(int)) == 0)
+        goes_on = continued(observed.trial, observed.holdout, lasts_s, self._grid.period_s)
         return CountNoise.of(rounding, goes_on, observed.usable, keep, float(np.median(observed.sd)))
 
     def _early_voltages(self, measurement: Measurement, nominal: RobotConfig) -> tuple[EarlyVoltages, ...]:

@@ -112,10 +112,9 @@ def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, e
     """
     if is_of_noise(fit, effect):
         return None
-    both = [each.evidence.values - each.z * each.sd for each in (base, fit)]
-    if fit.evidence.memory is not None:
-        both = [measured.predicted([each.robot]).moved(each.local_change).mean[0] for each in (base, fit)]
-    gained = gain_of(measured, np.stack(both))
+    readings = measured.as_measured()
+    both = [readings.predicted([each.robot]).moved(each.local_change).mean[0] for each in (base, fit)]
+    gained = gain_of(readings, np.stack(both))
     return None if gained is None else gained.high
 
 

@@ -12,18 +12,16 @@ SIZE_IN = (7.2, 3.4)
 
 
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
-    """Return the residuals of the model with the named effects, along the covariate of a structure, as PNG.
+    """Return the residuals of the readings with the named effects, along the covariate of a structure, as PNG.
 
-    They are those in which the structure was detected, without the random drift of a range sensor, and without a law
-    that was discovered afterwards.
+    They are without the random drift of a range sensor, and without a law that was discovered afterwards.
     """
     evidence = data.diagnosis.evidence.as_measured()
     k = [observed.name for observed in evidence.observed].index(structure.observed)
     observed, place = evidence.observed[k], evidence.places[k]
     covariate = next(c for c in observed.covariates if c.name == structure.covariate)
-    mean, law = data.means[2], data.diagnosis.law
-    if law is not None:
-        mean = evidence.predicted([law.without.robot]).mean[0] + law.without.local_change
+    fit = data.diagnosis.fit if data.diagnosis.law is None else data.diagnosis.law.without
+    mean = evidence.predicted([fit.robot]).moved(fit.local_change).mean[0]
     usable = evidence.fit | evidence.heldout
     z = np.where(usable, (evidence.values - mean) / evidence.sd, np.nan)
     figure = Figure(figsize=SIZE_IN, layout="constrained")

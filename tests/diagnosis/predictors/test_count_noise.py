@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.noise_level import of_torque
-from diagnosis.predictors.count_noise import CountNoise
+from diagnosis.predictors.count_noise import CountNoise, continued
 
 ROW_S = 0.05
 LAG_S = 0.12
@@ -66,6 +66,14 @@ def test_innovations_have_speeds_again():
     whitening = noise_of(50, 1.0, 0.5, starts=(0, 25)).whitening(0.5)
     residual = np.random.default_rng(3).standard_normal(50)
     assert whitening.undone(whitening.of(residual)) == pytest.approx(residual, abs=1e-9)
+
+
+def test_a_row_continues_the_one_before_within_a_trial_of_the_fit_and_without_a_gap():
+    trial = np.array([0, 0, 0, 0, 0, 0, 1, 1])
+    holdout = np.array([False] * 7 + [True])
+    lasts_s = np.array([0.05, 0.05, 0.05, 0.25, 0.05, 0.05, 0.05, 0.05])
+    goes_on = continued(trial, holdout, lasts_s, 0.05)
+    assert goes_on.tolist() == [False, True, True, False, False, True, False, False]
 
 
 def test_a_prediction_that_does_not_exist_makes_no_other_rows_unknown():
