@@ -1,6 +1,6 @@
 """A fit to speeds from counts is that of generalised least squares, by a covariance that is written down here."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ import pytest
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
+from diagnosis.inference.gain import gain
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Observed, Predicted
 from diagnosis.predictors.count_noise import CountNoise
@@ -49,6 +50,16 @@ def evidence():
         usable=everywhere,
     )
     return Evidence([Standing((observed,))])
+
+
+def test_a_gain_is_that_of_the_readings(evidence, robot):
+    (observed,) = evidence.observed
+    heldout = Evidence([Standing((replace(observed, holdout=np.arange(ROWS) >= ROWS // 2),))])
+    gained = gain(heldout, robot, robot, (0.0, 0.004 * step()))
+    lacks = np.sort(np.abs(observed.values[ROWS // 2 :] - np.array([[0.0], [0.004]]))) / observed.sd[0]
+    # Without the largest 3 %, rounded up.
+    before, after = np.sqrt(np.mean(lacks[:, : ROWS // 2 - 6] ** 2, axis=1))
+    assert gained.by_quantity == ((observed.name, pytest.approx(before), pytest.approx(after)),)
 
 
 def step():
