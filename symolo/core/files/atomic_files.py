@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from symolo.core.files.file_hashes import sha256_of
-from symolo.core.files.file_locks import can_lock, lock
+from symolo.core.files.file_locks import can_rename_locked, lock
 
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"
@@ -58,8 +58,8 @@ def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
             written.update(chunk)
             yield chunk
 
-    with _whole(path) as beside:
-        _write_beside(beside, noted(), is_locked=True)
+    with contextlib.ExitStack() as renamed, _whole(path) as beside:
+        _write_beside(beside, noted(), lock_until=renamed if can_rename_locked() else None)
         digest = sha256_of(beside)
         if digest != written.hexdigest():
             raise OSError(errno.EIO, "what is on the disk is not what was written", str(path))
@@ -108,33 +108,43 @@ def place_of(unfinished: Path) -> Path | None:
 
 
 def remove_left_of(path: Path) -> None:
-    """Remove what killed processes left of a file that `write_chunks` wrote; what another process is writing stays."""
-    if not can_lock() or not path.parent.is_dir():
+    """Remove what killed processes left of a file that `write_chunks` wrote.
+
+    What another process is writing stays, and so does what belongs to another user. Where a locked file cannot be
+    renamed, nothing is removed, because nothing shows that its process is gone.
+    """
+    if not can_rename_locked() or not path.parent.is_dir():
         return
     for beside in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
-        if place_of(beside) != path or beside.is_symlink() or not beside.is_file():
-            continue
-        descriptor = os.open(beside, os.O_RDWR | _FLAGS | getattr(os, "O_NOFOLLOW", 0))
-        try:
-            lock(descriptor, wait=False)
-        except OSError:  # another process holds it, or the disk has no locks
-            continue
-        finally:
-            os.close(descriptor)
-        remove_file(beside)
+        if place_of(beside) == path and not beside.is_symlink() and beside.is_file():
+            # Another process holds or has just renamed it, it is another user's, or the disk has no locks.
+            with contextlib.suppress(OSError):
+                _remove_unlocked(beside)
 
 
-def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666, *, is_locked: bool = False) -> None:
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), mode)
+def _remove_unlocked(path: Path) -> None:
+    """Remove a file; raise OSError, such as BlockingIOError, if another process has locked it."""
+    descriptor = os.open(path, os.O_RDWR | _FLAGS | getattr(os, "O_NOFOLLOW", 0))
     try:
-        if is_locked:  # shows that its process still lives, where the disk has locks
+        lock(descriptor, wait=False)
+        remove_file(path)
+    finally:
+        os.close(descriptor)
+
+
+def _write_beside(
+    beside: Path, chunks: Iterable[bytes], mode: int = 0o666, *, lock_until: contextlib.ExitStack | None = None
+) -> None:
+    """Write a new file, and keep it locked until the end of a block if there is one."""
+    with contextlib.ExitStack() as written:
+        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), mode)
+        (lock_until or written).callback(os.close, descriptor)
+        if lock_until:  # shows that its process still lives, where the disk has locks
             with contextlib.suppress(OSError):
                 lock(descriptor, wait=False)
         for chunk in chunks:
             _write_all(descriptor, chunk, beside)
         os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _check_stored(beside: Path, data: bytes, path: Path) -> None:

@@ -31,6 +31,11 @@ def can_lock() -> bool:
     return _module("fcntl") is not None or _module("msvcrt") is not None
 
 
+def can_rename_locked() -> bool:
+    """Return whether a locked file can be read and renamed; Windows permits neither."""
+    return _module("fcntl") is not None
+
+
 def lock(descriptor: int, *, shared: bool = False, wait: bool = True) -> None:
     """Lock an open file until its descriptor is closed.
 

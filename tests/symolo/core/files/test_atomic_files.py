@@ -1,3 +1,4 @@
+import errno
 import hashlib
 import os
 
@@ -79,3 +80,39 @@ def test_what_a_killed_command_left_of_a_file_is_removed_and_what_another_is_wri
     write_chunks(tmp_path / "run.mp4", chunks())
     assert sorted(path.name for path in tmp_path.iterdir()) == [of_another_file.name, "run.mp4"]
     assert (tmp_path / "run.mp4").read_bytes() == b"onetwo"
+
+
+@pytest.mark.parametrize("step", ["reading back", "renaming"])
+def test_a_file_that_another_command_reads_back_or_renames_stays(step, tmp_path, monkeypatch):
+    place = tmp_path / "run.mp4"
+    read_back, replace = whole_files.sha256_of, os.replace
+
+    def read_meanwhile(path):
+        remove_left_of(place)
+        return read_back(path)
+
+    def replace_meanwhile(old, new):
+        remove_left_of(place)
+        replace(old, new)
+
+    if step == "reading back":
+        monkeypatch.setattr(whole_files, "sha256_of", read_meanwhile)
+    else:
+        monkeypatch.setattr(os, "replace", replace_meanwhile)
+    write_chunks(place, (b"one", b"two"))
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("run.mp4", b"onetwo")]
+
+
+@pytest.mark.parametrize("denied", ["open", "unlink"])
+def test_what_another_user_left_of_a_file_stays(denied, tmp_path, monkeypatch):
+    """The system refuses to open the file, or to remove it from a folder with the sticky bit."""
+    left = tmp_path / ".run.mp4.33402d907e2012ea.tmp"
+    left.write_bytes(b"half")
+
+    def refuse(*_arguments, **_options):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(left))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os if denied == "open" else whole_files.Path, denied, refuse)
+        remove_left_of(tmp_path / "run.mp4")
+    assert left.read_bytes() == b"half"
