@@ -1,6 +1,6 @@
 """The result of `symolo export --json`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from pipeline.json_results.base import JsonPart, JsonResult
 from symolo.exporters.export import PlannedFormat
@@ -15,9 +15,8 @@ class ExportedFormatPart(JsonPart):
     """Size of its files."""
 
     @classmethod
-    def of(cls, planned: PlannedFormat) -> "ExportedFormatPart":
-        size = sum(file.size_bytes() for file in planned.files)
-        return cls(format=planned.exporter.name, files=len(planned.files), bytes=size)
+    def of(cls, planned: PlannedFormat, size_bytes: int) -> "ExportedFormatPart":
+        return cls(format=planned.exporter.name, files=len(planned.files), bytes=size_bytes)
 
 
 class ExportResult(JsonResult):
@@ -34,7 +33,7 @@ class ExportResult(JsonResult):
     runs: list[str]
     """Names of the runs."""
     warnings: list[str]
-    """What the formats leave out or change."""
+    """What the formats leave out or change, and what is wrong with splits by image."""
 
     @classmethod
     def of(
@@ -43,8 +42,17 @@ class ExportResult(JsonResult):
         planned: Sequence[PlannedFormat],
         runs: Sequence[str],
         warnings: Sequence[str],
-        *,
-        written: bool,
+        written: Mapping[str, int],
     ) -> "ExportResult":
-        formats = [ExportedFormatPart.of(one) for one in planned]
-        return cls(folder=folder, written=written, formats=formats, runs=list(runs), warnings=list(warnings))
+        """Return the result.
+
+        Args:
+            folder: The output folder.
+            planned: The formats.
+            runs: Names of the runs.
+            warnings: What was printed as warnings.
+            written: Size of the written files of each format [bytes]; empty if nothing was written.
+        """
+        sizes = written or {one.exporter.name: one.size_bytes() for one in planned}
+        formats = [ExportedFormatPart.of(one, sizes[one.exporter.name]) for one in planned]
+        return cls(folder=folder, written=bool(written), formats=formats, runs=list(runs), warnings=list(warnings))

@@ -46,6 +46,10 @@ class PlannedFormat:
     exporter: Exporter
     files: tuple[ExportedFile, ...]
 
+    def size_bytes(self) -> int:
+        """Return the size of the files; those of an unknown size are made for it."""
+        return sum(file.size_bytes() for file in self.files)
+
 
 def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
     """Return the exporter of each name once, in the order of `names`.
@@ -96,8 +100,8 @@ def check_room(planned: Sequence[PlannedFormat], out: Path) -> None:
     check_disk(out, sum(-(-size // _BLOCK_BYTES) * _BLOCK_BYTES for size in sizes), "choose fewer runs with --runs")
 
 
-def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: Report) -> int:
-    """Write an export completely or not at all, and return the number of its bytes.
+def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: Report) -> dict[str, int]:
+    """Write an export completely or not at all, and return the number of bytes of each format and of export.json.
 
     Args:
         data: The result of `open_release`.
@@ -109,19 +113,20 @@ def export(data: Dataset, planned: Sequence[PlannedFormat], out: Path, report: R
         InputError: `out` is not empty, or a file of the release is damaged.
     """
     check_new(out, data.root)
-    files = [(f"{one.exporter.name}/{file.name}", file) for one in planned for file in one.files]
-    written = 0
+    files = [(one.exporter.name, file) for one in planned for file in one.files]
+    written = {one.exporter.name: 0 for one in planned}
     with new_folder(out) as folder:
         with report.stage("export", len(files), "files") as stage:
             for number, (name, file) in enumerate(files, start=1):
                 content = file.content()
-                make_folder((folder / name).parent)
-                write_file(folder / name, content)
-                written += len(content)
+                place = folder / name / file.name
+                make_folder(place.parent)
+                write_file(place, content)
+                written[name] += len(content)
                 stage.update("all", number)
         source = _source(data, planned)
         write_file(folder / SOURCE, source)
-    return written + len(source)
+    return {**written, SOURCE: len(source)}
 
 
 def _source(data: Dataset, planned: Sequence[PlannedFormat]) -> bytes:

@@ -99,17 +99,16 @@ def export(
         raise InputError("--polygons", got=formats, allowed="--format yolo")
     data = with_splits(open_release(folder, runs), splits)
     check_new(out, data.root)
-    if data.splits is not None and data.splits.by == "image":
-        typer.echo(f"warning: {NEIGHBOURS_WARNING}", err=True)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE, video, polygons))
-    warnings = [f"{exporter.name}: {text}" for exporter in exporters for text in exporter.warnings(data)]
+    warnings = [NEIGHBOURS_WARNING] if data.splits is not None and data.splits.by == "image" else []
+    warnings += [f"{exporter.name}: {text}" for exporter in exporters for text in exporter.warnings(data)]
     for text in warnings:
         typer.echo(f"warning: {text}", err=True)
     if not as_json:
         _print_formats(planned if dry_run else ())
         if data.splits is not None:
             typer.echo(split_line(data))
-    written = 0
+    written: dict[str, int] = {}
     if not dry_run:
         check_room(planned, out)
         written = exported(data, planned, out, report_here())
@@ -117,17 +116,19 @@ def export(
         from pipeline.json_results.export import ExportResult
 
         run_names = [run.name for run in data.runs]
-        typer.echo(ExportResult.of(str(out), planned, run_names, warnings, written=not dry_run).to_json())
+        typer.echo(ExportResult.of(str(out), planned, run_names, warnings, written).to_json())
     elif not dry_run:
-        typer.echo(f"{out}: {', '.join(each.exporter.name for each in planned)}, {written / _MEGABYTE:.1f} MB")
+        typer.echo(
+            f"{out}: {', '.join(each.exporter.name for each in planned)}, {sum(written.values()) / _MEGABYTE:.1f} MB"
+        )
 
 
 def _print_formats(planned: "Sequence[PlannedFormat]") -> None:
     """Print the number and the size of the files of each format."""
     for export_plan in planned:
         files, exporter = export_plan.files, export_plan.exporter
-        size = sum(file.size_bytes() for file in files)
-        typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size / _MEGABYTE:.3f} MB: {exporter.what}")
+        size = export_plan.size_bytes() / _MEGABYTE
+        typer.echo(f"{exporter.name}: {plural(len(files), 'file')}, {size:.3f} MB: {exporter.what}")
 
 
 def pack(

@@ -4,10 +4,14 @@ import json
 import re
 import shutil
 import sys
+from collections import Counter
+from dataclasses import replace
 
 import pytest
 
+from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
 from symolo.exporters import EXPORTERS
+from symolo.exporters import export as export_module
 from symolo.exporters.base import ExportSettings
 from symolo.exporters.export import open_release, plan
 
@@ -40,6 +44,39 @@ def test_a_dry_run_says_the_size_of_what_a_run_then_writes(random_release, tmp_p
         size = sum(path.stat().st_size for path in files) / 1e6
         count = "1 file" if len(files) == 1 else f"{len(files)} files"
         assert line.startswith(f"{name}: {count}, {size:.3f} MB: ")
+
+
+def test_the_sizes_of_json_are_those_of_the_written_files_which_are_made_once(
+    random_release, tmp_path, symolo, monkeypatch
+):
+    root, out = random_release(1, annotated=True).root, tmp_path / "out"
+    made: Counter[str] = Counter()
+
+    def counted(file):
+        def content():
+            made[file.name] += 1
+            return file.content()
+
+        return replace(file, content=content, exact_bytes=None, estimated_bytes=lambda: 0)
+
+    def counting(exporter):
+        return replace(exporter, files=lambda data, settings: [counted(f) for f in exporter.files(data, settings)])
+
+    monkeypatch.setattr(export_module, "EXPORTERS", tuple(counting(exporter) for exporter in EXPORTERS))
+    document = json.loads(symolo("export", root, "--format", "tum,coco", "--out", out, "--json").out)
+    assert set(made.values()) == {1}
+    for part in document["formats"]:
+        files = [path for path in (out / part["format"]).rglob("*") if path.is_file()]
+        assert (part["files"], part["bytes"]) == (len(files), sum(path.stat().st_size for path in files))
+
+
+def test_the_json_has_every_warning_that_is_printed(random_release, tmp_path, symolo):
+    by_image = "{by: image, shares: {train: 0.5, test: 0.5}}"
+    arguments = ("--format", "coco", "--splits", by_image, "--out", tmp_path / "out", "--dry-run", "--json")
+    ended = symolo("export", random_release(1, annotated=True).root, *arguments)
+    printed = [line.removeprefix("warning: ") for line in ended.err.splitlines() if line.startswith("warning: ")]
+    assert NEIGHBOURS_WARNING in printed
+    assert json.loads(ended.out)["warnings"] == printed
 
 
 def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):
