@@ -32,8 +32,9 @@ def motor_notes(nominal: NominalSteady | NominalStep, measurement: Measurement) 
     )
     notes: list[str] = []
     for name, values, does in (("omega_rad_s", speed, "turns"), ("current_A", current, "takes current")):
-        notes += sign_check(u, values, name)
-        if goes_against(u, values):
+        unsigned = list(sign_check(u, values, name))
+        notes += unsigned
+        if not unsigned and goes_against(u, values):
             notes.append(f"{CHECK} {name}: the motor {does} against its voltage; give {name} or u_cmd_V factor: -1")
     units = _scale_notes(nominal, np.abs(u), np.abs(speed), np.abs(current))
     notes += units or speed_checks(nominal.motor, np.abs(u), np.abs(speed), "u_cmd_V")

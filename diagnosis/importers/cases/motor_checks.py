@@ -86,11 +86,13 @@ def sign_check(u_V: Array, values: Array, name: str) -> Iterator[str]:
     backward, forward = values[(u_V < 0.0) & (values != 0.0)], values[(u_V > 0.0) & (values != 0.0)]
     if min(len(backward), len(forward)) < MIN_DRIVEN_ROWS:
         return
-    if np.count_nonzero(values < 0.0) <= FEW * len(values):
+    below = np.count_nonzero(values < 0.0)
+    if below <= FEW * len(values) and min(np.median(backward), np.median(forward)) > 0.0:
+        seldom = f"almost never below 0, in {below} of {len(values)} rows" if below else "never below 0"
         rows = f"{np.count_nonzero(u_V < 0.0)} of {len(u_V)} rows"
         yield (
-            f"{CHECK} {name}: it is never below 0, although the voltage is in {rows}, as from a sensor that measures "
-            "no sign; log the sign too, or make the case from the rows with voltages of one sign"
+            f"{CHECK} {name}: it is {seldom}, although the voltage is in {rows}, as from a sensor that measures no "
+            "sign; log the sign too, or make the case from the rows with voltages of one sign"
         )
 
 

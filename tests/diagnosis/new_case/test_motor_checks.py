@@ -64,6 +64,26 @@ def test_readings_without_a_sign_at_voltages_of_both_signs_are_named(both, init,
     assert all("is never below 0, although the voltage is in 24 of 48 rows" in text for text in texts)
 
 
+@pytest.mark.parametrize(("below", "words"), [(0, "never below 0"), (2, "almost never below 0, in 2 of 120 rows")])
+def test_a_reading_without_a_sign_at_mostly_negative_voltages_has_one_check(below, words, init, bench):
+    """It seems to go against the voltage; a factor of -1 would make it worse. Noise takes a few rows below 0."""
+    signed = {name: np.concatenate([values, *[-values] * 4]) for name, values in bench.items()}
+    unsigned = {**signed, "speed [rad/s]": np.abs(signed["speed [rad/s]"])}
+    unsigned["speed [rad/s]"][:below] = -0.01
+    _, out, _, _ = init(unsigned, *settings(winding_resistance_ohm=R, torque_constant_N_m_A=K))
+    (check,) = checks(out)
+    assert check.startswith(f"omega_rad_s: it is {words}, although the voltage is in 96 of 120 rows")
+
+
+def test_a_reading_against_the_voltage_that_is_seldom_above_0_is_not_one_without_a_sign(init, bench):
+    """Of 1212 rows, 12 have a voltage above 0, and only there the reading is below it."""
+    signed = {name: np.concatenate([values[12:], *[-values] * 50]) for name, values in bench.items()}
+    against = {**signed, "speed [rad/s]": -signed["speed [rad/s]"]}
+    _, out, _, _ = init(against, *settings(winding_resistance_ohm=R, torque_constant_N_m_A=K))
+    (check,) = checks(out)
+    assert check.endswith("against its voltage; give omega_rad_s or u_cmd_V factor: -1")
+
+
 @pytest.mark.parametrize(
     ("known", "check"),
     [
