@@ -21,11 +21,11 @@ from scipy.linalg import cholesky_banded, solve_banded
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
-LEAST_TORQUE = 0.2
-"""Least standard deviation by the random torque, relative to that by the rounding. No model of a motor is so right that
-only the counts round."""
-KEPT = (1e-6, 1.0 - 1e-6)
-"""Least and greatest share of its speed that a motor keeps from row to row."""
+MIN_TORQUE_RATIO = 0.2
+"""Lower limit of the standard deviation by the random torque, relative to that by the rounding. No model of a motor is so
+right that only the counts round."""
+KEEP_LIMITS = (1e-6, 1.0 - 1e-6)
+"""Lower and upper limit of the share of its speed that a motor keeps from row to row."""
 MAX_PERIODS = 1.5
 """Duration of a row in periods from which it has a gap before it."""
 UNKNOWN = 1e6
@@ -108,14 +108,14 @@ class CountNoise:
     @classmethod
     def of(cls, rounding: Array, goes_on: Mask, known: Mask, keep: float, stated: float) -> "CountNoise":
         """Return the noise, whose parts are no more than what is stated."""
-        largest = stated / np.hypot(1.0, LEAST_TORQUE)
-        return cls(np.minimum(rounding, largest), goes_on, known, float(np.clip(keep, *KEPT)), stated)
+        largest = stated / np.hypot(1.0, MIN_TORQUE_RATIO)
+        return cls(np.minimum(rounding, largest), goes_on, known, float(np.clip(keep, *KEEP_LIMITS)), stated)
 
     def torques(self, least: float, most: float, count: int) -> Array:
         """Return levels of the random torque with which a speed has `least` to `most` times the stated noise."""
         rounding = float(np.median(self.rounding))
         low, high = (max((x * self.stated) ** 2 - rounding**2, 0.0) ** 0.5 for x in (least, most))
-        lowest = LEAST_TORQUE * rounding
+        lowest = MIN_TORQUE_RATIO * rounding
         return np.geomspace(max(low, lowest), max(high, lowest), count)
 
     @property

@@ -82,12 +82,13 @@ class Wheels:
             replace(self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S), early=each)
             for side, speed, set_speed, each in zip(SIDES, speeds, set_speeds, early, strict=True)
         )
-        kept = self._kept_speeds(nominal)
+        keep_shares = self._keep_shares(nominal)
         self.observed: tuple[Observed, ...] = tuple(
-            replace(each, count_noise=self._count_noise(each, keep)) for each, keep in zip(observed, kept, strict=True)
+            replace(each, count_noise=self._count_noise(each, keep))
+            for each, keep in zip(observed, keep_shares, strict=True)
         )
 
-    def _kept_speeds(self, nominal: RobotConfig) -> Iterator[float]:
+    def _keep_shares(self, nominal: RobotConfig) -> Iterator[float]:
         """Yield the share of its speed that each wheel keeps from row to row without a voltage."""
         motors = RobotModel.from_config(nominal).motors
         for motor in (motors.left, motors.right):

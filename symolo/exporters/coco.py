@@ -31,10 +31,10 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     further = further_cameras_of_splits(data, "instance")
     cameras += [(f"{camera.folder}/", camera.runs, camera.splits) for camera in further]
     # Ids are unique over all files, so that users may join the files of splits or cameras.
-    most = max((one.id for _, runs, _ in cameras for run in runs for one in run.annotations.instances), default=1)
+    max_id = max((one.id for _, runs, _ in cameras for run in runs for one in run.annotations.instances), default=1)
     images_before = 0
     for folder, runs, splits in cameras:
-        yield from _files_of(folder, data, runs, splits, _Ids(images_before, most))
+        yield from _files_of(folder, data, runs, splits, _Ids(images_before, max_id))
         images_before += sum(len(images) for _, images in splits)
 
 
@@ -44,7 +44,7 @@ class _Ids:
 
     images_before: int
     """Number of images in the files before."""
-    most_instances: int
+    max_instance_id: int
     """Largest id of an instance in any file."""
 
     def image(self, index: int) -> int:
@@ -53,7 +53,7 @@ class _Ids:
 
     def annotation(self, index: int, instance_id: int) -> int:
         """Return the id of the annotation of an instance in this image."""
-        return (self.images_before + index) * self.most_instances + instance_id
+        return (self.images_before + index) * self.max_instance_id + instance_id
 
 
 def _files_of(

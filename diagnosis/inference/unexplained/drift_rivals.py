@@ -81,7 +81,7 @@ def _gain(series: RangeSeries, likely: Likelihoods) -> float:
     return series.cost_of(float(series.z @ series.z)) - float(likely.costs.min())
 
 
-def short_noise(series: RangeSeries, times_s: Array, greatest_level: float) -> tuple[float, float]:
+def short_noise(series: RangeSeries, times_s: Array, max_level: float) -> tuple[float, float]:
     """Return cost and variance of noise that is correlated over few rows and has hardly any white part.
 
     It is no larger than noise can be; a larger error is a drift.
@@ -89,10 +89,10 @@ def short_noise(series: RangeSeries, times_s: Array, greatest_level: float) -> t
     Args:
         series: The residuals.
         times_s: (T,), time constants.
-        greatest_level: Greatest variance of the noise, relative to that of the rows.
+        max_level: Greatest variance of the noise, relative to that of the rows.
     """
-    most = greatest_level / float(WITHOUT_WHITE[0])
-    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, greatest_level=most)
+    most = max_level / float(WITHOUT_WHITE[0])
+    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, max_level=most)
     best = np.unravel_index(int(likely.costs.argmin()), likely.costs.shape)
     return float(likely.costs[best]), float(likely.levels[best] * (1.0 + WITHOUT_WHITE[0]))
 

@@ -71,26 +71,26 @@ class DriftFit:
     series: RangeSeries
     times_s: Array
     """(T,), time constants that were tried."""
-    greatest_level: float
+    max_level: float
     """Greatest variance that the noise can have without an effect of its own, relative to that of the fit."""
-    found: Likelihoods
+    likelihoods: Likelihoods
     elsewhere: Elsewhere
 
     @property
     def cost(self) -> float:
-        return float(self.found.costs.min())
+        return float(self.likelihoods.costs.min())
 
     @property
     def shares(self) -> Array:
         """Return the probability (T, R) of each time constant and ratio."""
-        likelihood = np.exp(-0.5 * (self.found.costs - self.cost))
+        likelihood = np.exp(-0.5 * (self.likelihoods.costs - self.cost))
         return likelihood / likelihood.sum()
 
     @property
     def error(self) -> ErrorModel:
         """Return the most probable error."""
-        tau, ratio = np.unravel_index(int(self.found.costs.argmin()), self.found.costs.shape)
-        level = float(self.found.levels[tau, ratio])
+        tau, ratio = np.unravel_index(int(self.likelihoods.costs.argmin()), self.likelihoods.costs.shape)
+        level = float(self.likelihoods.levels[tau, ratio])
         unit_m = float(np.median(self.series.sd_m))
         return ErrorModel(float(self.times_s[tau]), unit_m * float(np.sqrt(level * RATIOS[ratio])), level)
 
@@ -208,13 +208,13 @@ class DriftSearch:
         tried = series.at, series.residual_m, series.sd_m, self.times_s, RATIOS
         if self.is_bench:
             # An error that lasts for few rows must not stand for the noise.
-            found = likelihoods(*tried, least_level=least, greatest_level=most)
+            best = likelihoods(*tried, min_level=least, max_level=most)
             # The noise may have an effect of its own.
-            free = likelihoods(*tried, least_level=least)
-            found = free if found.costs.min() - free.costs.min() >= THRESHOLD_OF_NOISE else found
+            free = likelihoods(*tried, min_level=least)
+            best = free if best.costs.min() - free.costs.min() >= THRESHOLD_OF_NOISE else best
         else:
-            found = likelihoods(*tried, greatest_level=most)
-        return DriftFit(fit, series, self.times_s, most, found, self.elsewhere(fit, fit))
+            best = likelihoods(*tried, max_level=most)
+        return DriftFit(fit, series, self.times_s, most, best, self.elsewhere(fit, fit))
 
     def elsewhere(self, fit: HypothesisFit, beside: HypothesisFit) -> Elsewhere:
         """Return what a fit says about tolerances and other quantities, by samples that are no outliers of another."""
@@ -241,7 +241,7 @@ class DriftSearch:
         of_jump = PARAMETER_PENALTY * (MOMENT_PARAMETERS if self.is_bench else 1)
         yield cost_of_jump(seen.series) + of_jump
         short_s = np.array(SHORT if self.is_bench else SHORT_OF_SERIES) * self.row_s
-        short, level = short_noise(seen.series, short_s, seen.greatest_level)
+        short, level = short_noise(seen.series, short_s, seen.max_level)
         yield short + self._prior_of_level(seen, level) - self._prior_of_level(seen, seen.error.level)
         yield cost_of_jump(self.series(nominal)) + of_jump - parameter_penalty(seen.fit)
         if self.is_bench:

@@ -28,8 +28,8 @@ def likelihoods(
     times_s: Array,
     ratios: Array,
     *,
-    least_level: float = float(np.finfo(np.float64).tiny),
-    greatest_level: float = np.inf,
+    min_level: float = float(np.finfo(np.float64).tiny),
+    max_level: float = np.inf,
 ) -> Likelihoods:
     """Return the likelihoods of residuals.
 
@@ -39,8 +39,8 @@ def likelihoods(
         sd_m: (n,), standard deviations of the white noise, up to a common factor.
         times_s: (T,), time constants.
         ratios: (R,), variances of the error, relative to that of the white noise at the median of `sd_m`.
-        least_level: Lower limit for the variance of the white noise, relative to that of the rows.
-        greatest_level: Upper limit for the variance of the white noise, relative to that of the rows.
+        min_level: Lower limit for the variance of the white noise, relative to that of the rows.
+        max_level: Upper limit for the variance of the white noise, relative to that of the rows.
     """
     unit_m = float(np.median(sd_m))
     noise = (sd_m / unit_m) ** 2
@@ -59,7 +59,7 @@ def likelihoods(
         gain = variance / total
         mean = mean + gain * surprise
         variance = white * gain
-    levels = np.clip(squares / len(t_s), least_level, greatest_level)
+    levels = np.clip(squares / len(t_s), min_level, max_level)
     # At the most probable level, the last two terms are equal.
     normal = len(t_s) * (np.log(levels) + 2.0 * np.log(unit_m)) + logarithms
     return Likelihoods(normal + squares / levels - len(t_s), levels)

@@ -182,7 +182,7 @@ def _named(  # noqa: PLR0917 - what the rows say
     (sd_of, sd_error), (tau, tau_error) = (
         _mean_and_error(values, weight)
         for values in (
-            middle_m * np.sqrt(seen.found.levels * RATIOS),
+            middle_m * np.sqrt(seen.likelihoods.levels * RATIOS),
             np.broadcast_to(seen.times_s[:, None], weight.shape),
         )
     )
