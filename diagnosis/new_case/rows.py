@@ -11,7 +11,7 @@ from diagnosis.measured.case_format import CAMERA_CHANNELS, LONG_AFTER_S, RANGES
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
-from diagnosis.new_case.held_rows import held_otherwise, of_other_rows
+from diagnosis.new_case.held_rows import held_otherwise, left_out_notes, of_other_rows
 from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times
@@ -88,7 +88,8 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         parts = _at_sample_times(parts, notes)
     names = held_otherwise(mapping, kind)
     if names:
-        parts = [_Rows(*of_other_rows(part.t_s, part.values, names, kind)) for part in parts]
+        notes += left_out_notes([len(part.t_s) for part in parts], str(log.path))
+        parts = [_Rows(*of_other_rows(part.t_s, part.values, names, kind)) for part in parts if len(part.t_s) > 1]
     elif kind is CaseKind.MOTOR_STEP:
         parts = _from_first_motion(parts, notes)
     if kind in _IN_TIME:
