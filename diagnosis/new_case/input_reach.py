@@ -61,15 +61,24 @@ def missing_inputs(
         missing = np.flatnonzero(~np.isfinite(values[column.name])).tolist()
         if not missing or all(np.isfinite(trial[column.name]).all() for trial in trials):
             continue
-        name = mapping.columns[column.name].column
-        more = f"; rows of this column with such a cell: {len(missing)}" if len(missing) > 1 else ""
-        yield InputError(
-            f"column {name}",
-            where=log.where(missing[0]),
-            got=log.columns[name][missing[0]],
-            allowed="a number",
-            cure=f"repair or remove the row: inputs must be known, and only readings may be missing{more}",
-        )
+        source = mapping.columns[column.name]
+        for name in filter(None, (source.column, source.times)):
+            numbers = log.numbers(name)
+            rows = [row for row in missing if not np.isfinite(numbers[row])]
+            if rows:
+                yield _missing_cell(name, rows, log)
+
+
+def _missing_cell(name: str, rows: Sequence[int], log: LogFile) -> InputError:
+    """Return the error of a column that has no number in some rows; the first of them is named."""
+    more = f"; rows of this column with such a cell: {len(rows)}" if len(rows) > 1 else ""
+    return InputError(
+        f"column {name}",
+        where=log.where(rows[0]),
+        got=log.columns[name][rows[0]],
+        allowed="a number",
+        cure=f"repair or remove the row: inputs must be known, and only readings may be missing{more}",
+    )
 
 
 def _smaller_unit(column: MeasuredColumn, stated: str, largest: float) -> str:

@@ -22,8 +22,8 @@ from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 MIN_TORQUE_RATIO = 0.2
-"""Lower limit of the standard deviation by the random torque, relative to that by the rounding. No model of a motor is so
-right that only the counts round."""
+"""Lower limit of the standard deviation by the random torque, relative to that by the rounding. No model of a motor is
+so right that only the counts round."""
 KEEP_LIMITS = (1e-6, 1.0 - 1e-6)
 """Lower and upper limit of the share of its speed that a motor keeps from row to row."""
 MAX_PERIODS = 1.5
