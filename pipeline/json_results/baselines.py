@@ -1,10 +1,13 @@
 """The result of `symolo baselines --json`."""
 
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
-from pipeline.baselines.compare import BaselineComparison
 from pipeline.json_results.base import JsonPart, JsonResult
 from symolo.evaluation.errors import Errors
+
+if TYPE_CHECKING:  # the methods need packages that the schema of the results does not
+    from pipeline.baselines.compare import BaselineComparison
 
 
 class ErrorsPart(JsonPart):
@@ -61,7 +64,7 @@ class BaselinesResult(JsonResult):
     """Why errors may be smaller here than elsewhere, and what is suspicious about own estimates."""
 
     @classmethod
-    def of(cls, folder: str, compared: BaselineComparison) -> "BaselinesResult":
+    def of(cls, folder: str, compared: "BaselineComparison") -> "BaselinesResult":
         errors = [
             ErrorsPart.of(run.name, method.name, compared.results[run.name, method.name].errors)
             for run in compared.runs
