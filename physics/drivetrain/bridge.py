@@ -20,13 +20,9 @@ class Chopper:
     """Resistance of each winding."""
     back_emf_V: Array
     """K w of each motor."""
-    no_load_emf_V: Array | None = None
-    """u - K w of each motor at the supply voltage without load, if it is known."""
 
-    def supply_V(self, emf_V: Array) -> float | Array:
+    def supply_V(self, emf_V: Array) -> Array:
         """Return the supply voltage that belongs to u - K w [V] with u = duty * supply."""
-        if emf_V is self.no_load_emf_V:
-            return self.no_load_V
         size = np.abs(self.duty)
         full_V = np.full(emf_V.shape, self.no_load_V)
         return np.divide(np.abs(emf_V + self.back_emf_V), size, out=full_V, where=size > 0.0)

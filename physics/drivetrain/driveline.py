@@ -169,7 +169,7 @@ class Driveline:
             return applied(self._limit, applied(self._bridge, emf_V) / winding.resistance_ohm)
         # An empty battery switches nothing.
         duty = np.divide(voltage_V, supply_V, out=np.zeros(emf_V.shape), where=np.asarray(supply_V) > 0.0)
-        chopper = Chopper(supply_V, duty, winding.resistance_ohm, back_emf_V, emf_V)
+        chopper = Chopper(supply_V, duty, winding.resistance_ohm, back_emf_V)
 
         def driving_V(emf_V: Array) -> Array:
             return applied(self._bridge, applied(self._conduction, emf_V, chopper))
