@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from diagnosis.measured.measurement import CHECK, Measurement
+from diagnosis.measured.regression import columns_of, regression, without_outliers
 from symolo.core.arrays import Array
 
 MIN_ROWS = 60
@@ -21,8 +22,6 @@ MIN_WHOLE = 0.3
 with a time constant of 0.1 s turns about as much by the voltage of this row as by that of the row before."""
 MIN_ERRORS = 3.5
 """Weight of the next voltage in standard errors from which it is noted."""
-OUTLIERS = 9.0
-"""Multiple of the median size of the residuals beyond which a row is left out."""
 MIN_CHANGE = 1e-3
 """Part of the next voltage that the other columns do not explain, from which its weight is known."""
 NEXT, EARLIER_TURN = 3, 5
@@ -68,7 +67,7 @@ def _is_a_row_early(rows: Array) -> bool:
     """Return whether all of each voltage acts before its row, so that none acts in the row after it."""
     # With two earlier turns, a wheel whose voltages all act a row early fits other weights as well.
     without = np.delete(rows, EARLIER_TURN, axis=1)
-    weights = np.abs(_regression(without)[0][: NEXT + 1])
+    weights = np.abs(regression(without)[0][: NEXT + 1])
     shares = weights / weights.sum()
     return bool(shares[NEXT] > MIN_WHOLE and max(shares[1], shares[2]) < MIN_PART)
 
@@ -77,14 +76,13 @@ def _is_early(rows: Array) -> bool:
     """Return whether the next voltage counts in the rows of the regression."""
     if len(rows) < MIN_ROWS:
         return False
-    rest = np.abs(_regression(rows)[1])
-    rows = rows[rest <= OUTLIERS * np.median(rest)]
+    rows = without_outliers(rows)
     if len(rows) < MIN_ROWS:
         return False
-    columns = _columns(rows)
+    columns = columns_of(rows)
     if not _is_independent(columns):
         return False
-    weights, rest = _regression(rows)
+    weights, rest = regression(rows)
     inverse = np.linalg.pinv(columns.T @ columns)
     # The noise is larger after a large change (White, Econometrica 48 (1980) 817-838). But if one row alone has a
     # change, it is fitted in any case and does not show its noise.
@@ -99,13 +97,3 @@ def _is_independent(columns: Array) -> bool:
     following, others = columns[:, NEXT], np.delete(columns, NEXT, axis=1)
     rest = following - others @ np.linalg.lstsq(others, following, rcond=None)[0]
     return float(np.linalg.norm(rest)) > MIN_CHANGE * float(np.linalg.norm(following))
-
-
-def _columns(rows: Array) -> Array:
-    return np.hstack([rows[:, :-1], np.ones((len(rows), 1))])
-
-
-def _regression(rows: Array) -> tuple[Array, Array]:
-    """Return the weights (8,) of the columns and the residuals (n,)."""
-    weights: Array = np.linalg.lstsq(_columns(rows), rows[:, -1], rcond=None)[0]
-    return weights, rows[:, -1] - _columns(rows) @ weights

@@ -76,7 +76,7 @@ def continued(trial: NDArray[np.int64], holdout: Mask, lasts_s: Array, period_s:
     """Return whether each row (n,) continues the one before it, so that what one shows says something of the other.
 
     No row of the fit is compared with what held-out rows show. A row that lasts longer than the others, after a gap,
-    keeps another share of the speed, and begins anew, as does the row after it.
+    keeps another share of the speed. It does not continue the row before it, nor does the next row continue it.
 
     Args:
         trial: (n,), trial of each row.

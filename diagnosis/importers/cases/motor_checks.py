@@ -33,7 +33,7 @@ SMALL_MOTORS: Mapping[str, tuple[float, float, str, str]] = {
     "supply_voltage_V": (LOWEST_SUPPLY_V, HIGHEST_SUPPLY_V, "V", "mV"),
 }
 """Range of each number at the wheel for robots up to some 50 kg, its unit, and a thousandth of that unit."""
-LONGEST_S, MOST_DAMPING, MOST_FRICTION = 30.0, 10.0, 0.9
+LONGEST_S, MAX_DAMPING, MAX_FRICTION = 30.0, 10.0, 0.9
 """Numbers of a motor of any size: time constant of its speed, viscous friction as a multiple of the braking by its
 back-EMF, and dry friction as a share of its stall torque."""
 
@@ -63,8 +63,8 @@ def _fits_a_large_motor(key: str, value: float, motor: NominalMotor) -> bool:
     resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value
     braking = constant**2 / resistance
     largest = {
-        "viscous_friction_N_m_s_rad": MOST_DAMPING * braking,
-        "coulomb_friction_N_m": MOST_FRICTION * constant * motor.supply_voltage_V / resistance,
+        "viscous_friction_N_m_s_rad": MAX_DAMPING * braking,
+        "coulomb_friction_N_m": MAX_FRICTION * constant * motor.supply_voltage_V / resistance,
         "rotor_inertia_kg_m2": LONGEST_S * braking,
     }
     return value <= largest.get(key, 0.0)

@@ -11,13 +11,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from diagnosis.measured.measurement import CHECK, Measurement
+from diagnosis.measured.regression import columns_of, regression, without_outliers
 from symolo.core.arrays import Array
 
 LAGS = (-1, 0, 1, 2, 3)
 """Rows by which the voltages of the regression are older than the reading that they predict."""
 MIN_ROWS = 60
-OUTLIERS = 9.0
-"""Multiple of the median size of the residuals beyond which a row is left out."""
 OTHER_ROWS = 0.04
 """Largest weight of a voltage before the first that acts, as a share of those of all voltages."""
 MIN_SHARE = {"omega_rad_s": 0.9, "current_A": 0.4}
@@ -51,12 +50,11 @@ def _lag(measurement: Measurement, name: str) -> int | None:
     rows = rows[np.isfinite(rows).all(axis=1) & (rows[:, -1] != 0.0)]
     if len(rows) < MIN_ROWS:
         return None
-    rest = np.abs(_regression(rows)[1])
-    rows = rows[rest <= OUTLIERS * np.median(rest)]
+    rows = without_outliers(rows)
     if len(rows) < MIN_ROWS:
         return None
-    weights, rest = _regression(rows)
-    inverse = np.linalg.pinv(_columns(rows).T @ _columns(rows))
+    weights, rest = regression(rows)
+    inverse = np.linalg.pinv(columns_of(rows).T @ columns_of(rows))
     errors = np.sqrt(np.diag(inverse)[: len(LAGS)] * np.mean(rest**2))
     of_voltages = weights[: len(LAGS)]
     shares = of_voltages / np.abs(of_voltages).sum()
@@ -70,13 +68,3 @@ def _equations(voltage_V: Array, reading: Array) -> Array:
     row = np.arange(max(LAGS), len(reading) + min(LAGS))
     before = reading[row - 1]
     return np.stack([*(voltage_V[row - lag] for lag in LAGS), before, np.sign(before), reading[row]], axis=1)
-
-
-def _columns(rows: Array) -> Array:
-    return np.hstack([rows[:, :-1], np.ones((len(rows), 1))])
-
-
-def _regression(rows: Array) -> tuple[Array, Array]:
-    """Return the weights of the columns and the residuals (n,)."""
-    weights: Array = np.linalg.lstsq(_columns(rows), rows[:, -1], rcond=None)[0]
-    return weights, rows[:, -1] - _columns(rows) @ weights
