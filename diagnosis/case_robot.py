@@ -6,8 +6,8 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
+from diagnosis.measured.case_files.nominal import NominalLog
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NominalLog
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.together import joint_robot

@@ -29,8 +29,8 @@ from diagnosis.inference.selection.selected import selected, selected_with_early
 from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.change import change_in_time
+from diagnosis.inference.unexplained.drift.random_drift import RandomDrift, random_drift
 from diagnosis.inference.unexplained.locate import located
-from diagnosis.inference.unexplained.random_drift import RandomDrift, random_drift
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import with_forms

@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import (
+from diagnosis.measured.case_files.nominal import (
     BenchTof,
     KnownWheels,
     Nominal,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import (
+from diagnosis.measured.case_files.nominal import (
     KnownWheels,
     Nominal,
     NominalDrive,

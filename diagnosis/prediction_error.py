@@ -22,7 +22,7 @@ from diagnosis.inference.fitting.fit import NUISANCE_STEP
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import conditions
 from diagnosis.inference.unexplained.adequacy import change_by
-from diagnosis.measured.case_format import RANGES
+from diagnosis.measured.case_files.case_format import RANGES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import ROW_TIME
 from diagnosis.predictors.pose.by_counts import COMPONENTS, Pose, PoseNoise, seen_from_body

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Observed, Stage
 from diagnosis.predictors.pose.by_counts import Pose

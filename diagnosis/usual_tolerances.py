@@ -7,7 +7,7 @@ printed or laser-cut bodies with rubber tyres. A source can state better ones in
 from collections.abc import Mapping
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import KnownWheels, NominalLog, NominalRobot, PositiveSpread, Spread
+from diagnosis.measured.case_files.nominal import KnownWheels, NominalLog, NominalRobot, PositiveSpread, Spread
 from diagnosis.nuisances import Nuisance, Number, nuisances, of_section
 
 SHARES: Mapping[str, float] = {

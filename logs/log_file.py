@@ -13,7 +13,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.progress import plural
-from symolo.core.table import NO_NUMBER, cells_of, number_of
+from symolo.core.tables.table import NO_NUMBER, cells_of, number_of
 
 SEPARATORS = (",", ";", "\t")
 

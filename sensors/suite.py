@@ -7,7 +7,7 @@ import numpy as np
 
 from sensors.base import Reading, Sensor, World
 from symolo.core.arrays import Array
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 from symolo.dataset.tables.column import Series
 from symolo.dataset.tables.sensor_tables import SERIES
 

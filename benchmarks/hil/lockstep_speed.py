@@ -24,7 +24,7 @@ from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
 from hil.loop import Actuation, BoardLoop, LoopSettings
 from pipeline.stages.simulate import simulate
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 
 
 def main() -> None:

@@ -19,7 +19,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.nominal import NominalTof
+from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage

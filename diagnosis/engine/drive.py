@@ -14,9 +14,9 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import Driver, EngineStage, without_body
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body

@@ -10,8 +10,8 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import EngineStage, less
+from diagnosis.measured.case_files.nominal import NominalStep
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.motor_steady import MotorSteady

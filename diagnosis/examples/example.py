@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from diagnosis.measured.nominal import NOMINAL, kind_of
+from diagnosis.measured.case_files.nominal import NOMINAL, kind_of
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.new_folder import check_new, new_folder

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from diagnosis.importers.base import Importer
 from diagnosis.importers.paper import TABLES
+from diagnosis.measured.case_files.nominal import NOMINAL, read_nominal
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NOMINAL, read_nominal
 from symolo.core.errors import InputError, nearest
 
 

@@ -10,15 +10,15 @@ from diagnosis.importers.cases.motor_checks import number_checks
 from diagnosis.importers.cases.range_checks import range_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.motor_step import check_rate
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.early_response import early_response_note
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, CaseKind, Measurement, Trial
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.pose_by_ticks import pose_by_ticks
 from logs.wrapped_angles import BEYOND_RAD
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 
 ROW_S = 0.05
 """Time between two rows of this kind of case."""

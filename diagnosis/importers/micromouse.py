@@ -15,18 +15,18 @@ import numpy as np
 from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.log_column import LogColumn
 from diagnosis.importers.cases.order import check_increasing
+from diagnosis.measured.case_files.csv_table import MeasuredColumn, table_of
+from diagnosis.measured.case_files.nominal import KnownMotor, NominalMotor, PositiveSpread, Spread
 from diagnosis.measured.channel import Channel, Mask, Role
-from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import KnownMotor, NominalMotor, PositiveSpread, Spread
 from diagnosis.usual_tolerances import SHARES
 from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import TextFile, read_text
-from symolo.core.table import CsvTable, cells_of, check_header
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.table import CsvTable, cells_of, check_header
+from symolo.core.tables.time_series import TimeSeries
 
 FULL_COMMAND = 255.0
 RAD_S_PER_RPM = np.pi / 30.0

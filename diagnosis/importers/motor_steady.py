@@ -2,7 +2,7 @@
 
 from diagnosis.importers.cases.case import case_importer
 from diagnosis.importers.cases.motor_case import motor_noise, motor_notes
+from diagnosis.measured.case_files.nominal import NominalSteady
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.measured.nominal import NominalSteady
 
 IMPORTER = case_importer(CaseKind.MOTOR_STEADY, NominalSteady, motor_noise, motor_notes)

@@ -6,8 +6,8 @@ import numpy as np
 
 from diagnosis.importers.cases.case import case_importer
 from diagnosis.importers.cases.motor_case import motor_noise, motor_notes
+from diagnosis.measured.case_files.nominal import NominalStep
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NominalStep
 from symolo.core.errors import InputError
 
 

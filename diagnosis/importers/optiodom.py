@@ -15,8 +15,8 @@ import numpy as np
 
 from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.order import check_increasing
+from diagnosis.measured.case_files.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.usual_tolerances import usual_wheels
@@ -24,8 +24,8 @@ from logs.plausible_units import PlausibleRange
 from logs.recognition import is_file, is_folder
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
-from symolo.core.table import number
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.table import number
+from symolo.core.tables.time_series import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
 _METADATA = "*_metadata.csv"

@@ -14,7 +14,7 @@ from diagnosis.motor_identification import TABLE_1
 from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, PrintedReadings
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 BOARD_M = 0.1
 """Distance of the boards of Tables 3 and 4."""

@@ -12,15 +12,15 @@ import numpy as np
 from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.log_column import LogColumn
 from diagnosis.importers.cases.order import check_increasing
+from diagnosis.measured.case_files.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.channel import Role
-from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line, is_folder
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.progress import plural
-from symolo.core.table import cells_of, check_header
+from symolo.core.tables.table import cells_of, check_header
 
 HEADER_ROWS = 3
 _SEPARATOR = ";"

@@ -13,17 +13,17 @@ from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.case import case_folder, recognises, scale_note
 from diagnosis.importers.cases.log_column import LogColumn
 from diagnosis.importers.cases.order import check_increasing
-from diagnosis.measured.case_format import CAMERA_CHANNELS, DATA, POSE
+from diagnosis.measured.case_files.case_format import CAMERA_CHANNELS, DATA, POSE
+from diagnosis.measured.case_files.csv_table import read_csv
+from diagnosis.measured.case_files.nominal import NOMINAL, NominalLog, read_nominal
+from diagnosis.measured.case_files.symolo_columns import COLUMN_OF, LINE_READINGS, RANGE_READINGS, SPEEDS
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.holdout import hold_out
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NOMINAL, NominalLog, read_nominal
-from diagnosis.measured.symolo_columns import COLUMN_OF, LINE_READINGS, RANGE_READINGS, SPEEDS
 from logs.plausible_units import PlausibleRange
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 
 RUNS = "runs"
 """Folder with a folder for each of several runs."""

@@ -6,11 +6,11 @@ import numpy as np
 
 from diagnosis.importers.cases.case import case_importer, scale_note
 from diagnosis.importers.cases.trials import KnownNoise
+from diagnosis.measured.case_files.nominal import NOMINAL, NominalTof
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NOMINAL, NominalTof
 from symolo.core.errors import InputError, nearest
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 
 
 def _noise(nominal: NominalTof, table: CsvTable, name: str) -> KnownNoise | None:

@@ -10,7 +10,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
 from logs.recognition import first_line, only_log
 from symolo.core.arrays import Array
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 HELD_OUT = 4
 """One point of this many is held out."""

@@ -9,7 +9,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from logs.recognition import first_line, only_log
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 
 def _is_log(path: Path) -> bool:

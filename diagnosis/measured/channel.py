@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
+from symolo.core.tables.time_series import TimeSeries
 from symolo.core.text_enum import TextEnum
-from symolo.core.time_series import TimeSeries
 
 Mask = NDArray[np.bool_]
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.arena import ArenaConfig
+from diagnosis.measured.case_files.nominal import Nominal
 from diagnosis.measured.channel import Channel, Label, Mask
-from diagnosis.measured.nominal import Nominal
 from symolo.core.arrays import Array
+from symolo.core.tables.time_series import TimeSeries
 from symolo.core.text_enum import TextEnum
-from symolo.core.time_series import TimeSeries
 
 CHECK = "CHECK"
 """First word of each note about data that are probably wrong, so that a user has to check them."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.measured.case_files.nominal import KnownRoom
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.nominal import KnownRoom
 from symolo.core.arrays import Array
 
 WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")

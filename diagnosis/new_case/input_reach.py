@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from diagnosis.measured.case_format import channel_columns
+from diagnosis.measured.case_files.case_format import channel_columns
+from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.channel import Role
-from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping

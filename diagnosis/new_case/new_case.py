@@ -6,10 +6,10 @@ from pathlib import Path
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.case_format import DATA, RANGE_SIDES, VOLTAGES
+from diagnosis.measured.case_files.case_format import DATA, RANGE_SIDES, VOLTAGES
+from diagnosis.measured.case_files.nominal import NOMINAL
+from diagnosis.measured.case_files.write_case import csv_of, voltages_of
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.nominal import NOMINAL
-from diagnosis.measured.write_case import csv_of, voltages_of
 from diagnosis.new_case.known_numbers import KnownNumber, missing, numbers_of
 from diagnosis.new_case.nominal_text import compared_sides, nominal_text
 from diagnosis.new_case.quantities import KINDS

@@ -7,7 +7,7 @@ from math import radians
 
 import numpy as np
 
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.pose_by_ticks import pose_by_ticks
 from diagnosis.measured.screening import noise_of

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from diagnosis.measured.case_format import COLUMNS, RANGE_SIDES, RANGES, WHEEL_VOLTAGES
-from diagnosis.measured.csv_table import MeasuredColumn
+from diagnosis.measured.case_files.case_format import COLUMNS, RANGE_SIDES, RANGES, WHEEL_VOLTAGES
+from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
 from logs.quantity import (

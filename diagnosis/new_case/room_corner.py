@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from logs.mapping import LogMapping
 from symolo.core.errors import InputError
 

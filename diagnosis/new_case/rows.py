@@ -7,7 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.case_format import CAMERA_CHANNELS, LONG_AFTER_S, RANGES, WHEEL_VOLTAGES, channel_columns
+from diagnosis.measured.case_files.case_format import (
+    CAMERA_CHANNELS,
+    LONG_AFTER_S,
+    RANGES,
+    WHEEL_VOLTAGES,
+    channel_columns,
+)
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
@@ -26,7 +32,7 @@ from logs.wrapped_angles import whole_turn
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.progress import plural
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 SLOWEST_S = 0.1
 """Longest usual step of a drive: windows of half a second need a few rows."""

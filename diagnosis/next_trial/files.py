@@ -7,10 +7,10 @@ from dataclasses import asdict
 import numpy as np
 import yaml
 
-from diagnosis.measured.case_format import DATA
+from diagnosis.measured.case_files.case_format import DATA
+from diagnosis.measured.case_files.nominal import NOMINAL, NominalSteady, NominalStep
+from diagnosis.measured.case_files.write_case import csv_of
 from diagnosis.measured.measurement import CaseKind, Trial
-from diagnosis.measured.nominal import NOMINAL, NominalSteady, NominalStep
-from diagnosis.measured.write_case import csv_of
 from diagnosis.next_trial.design import TrialDesign
 from diagnosis.next_trial.drive_files import drive_files
 from diagnosis.next_trial.template import to_fill

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from diagnosis.measured.case_files.nominal import NominalDrive, NominalTof
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalDrive, NominalTof
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 KINDS = (CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP, CaseKind.TOF_BENCH, CaseKind.DRIVE_LOG)
 """Kinds of measurement for which a trial can be designed."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import DIGITS, BesideFit
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import trimmed_variance
 from diagnosis.posterior.robot_numbers import RobotNumber, RobotNumbers

@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
+from diagnosis.measured.case_files.nominal import NominalDrive
+from diagnosis.measured.case_files.symolo_columns import RANGE_READINGS
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
-from diagnosis.measured.symolo_columns import RANGE_READINGS
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.pose.by_counts import Pose
 from diagnosis.predictors.ranges.in_arena import RangesInArena

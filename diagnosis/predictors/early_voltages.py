@@ -14,7 +14,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from physics.drivetrain.motor import MotorModel
 from symolo.core.arrays import Array
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 PARTS = 2
 """Parts of a row in which a voltage that changes gradually is taken as constant."""

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalLog
+from diagnosis.measured.case_files.symolo_columns import LINE_READINGS
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalLog
-from diagnosis.measured.symolo_columns import LINE_READINGS
 from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE

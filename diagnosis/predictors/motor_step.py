@@ -7,8 +7,8 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalStep
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import SESSION_TIME, Covariate, CovariateShape, InputResponse, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid

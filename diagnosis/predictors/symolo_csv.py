@@ -1,9 +1,9 @@
 """The stages of a SyMoLo data.csv: speeds against poses, ranges and line readings, as far as the log has them."""
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalLog
+from diagnosis.measured.case_files.symolo_columns import POSES, SPEEDS
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalLog
-from diagnosis.measured.symolo_columns import POSES, SPEEDS
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.drive_log import offers
 from diagnosis.predictors.line_readings import LineReadings

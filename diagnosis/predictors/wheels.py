@@ -10,8 +10,8 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted

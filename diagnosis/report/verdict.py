@@ -18,7 +18,7 @@ from diagnosis.inference.naming.verdict import DOUBT, NEARLY, NOISY, CaseVerdict
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
-from diagnosis.inference.unexplained.random_drift import RandomDrift
+from diagnosis.inference.unexplained.drift.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData

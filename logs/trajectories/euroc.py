@@ -14,7 +14,7 @@ from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryRea
 from logs.trajectories.planar import on_floor
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import rotations
-from symolo.core.pose_lines import check_times
+from symolo.core.tables.pose_lines import check_times
 
 _FOLDERS = ("", "mav0/state_groundtruth_estimate0", "state_groundtruth_estimate0", "mav0/vicon0", "mav0/mocap0")
 _START = "#timestamp[ns],p_RS_R_x[m],p_RS_R_y[m],p_RS_R_z[m],q_RS_w[],q_RS_x[],q_RS_y[],q_RS_z[]"

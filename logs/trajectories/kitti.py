@@ -16,9 +16,9 @@ from logs.trajectories.planar import on_floor
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
-from symolo.core.pose_lines import check_times, numbers_in_first_line, read_pose_lines
 from symolo.core.progress import plural
-from symolo.core.table import number
+from symolo.core.tables.pose_lines import check_times, numbers_in_first_line, read_pose_lines
+from symolo.core.tables.table import number
 
 NAMES = tuple(f"{name}" for row in "123" for name in (f"r{row}1", f"r{row}2", f"r{row}3", f"t{row}"))
 TIMES, ORIGIN, CALIBRATION = "times.txt", "origin.txt", "calib.txt"

@@ -17,7 +17,7 @@ from symolo.core.errors import InputError, nearest
 from symolo.core.files.text_file import TextFile, read_text
 from symolo.core.geometry.poses import rotations
 from symolo.core.progress import plural
-from symolo.core.table import number
+from symolo.core.tables.table import number
 
 _PER_M = {"Meters": 1.0, "Centimeters": 100.0, "Millimeters": 1000.0}
 _TYPE, _NAME, _KIND, _AXIS = "Type", "Name", "Rotation", "Frame"

@@ -5,8 +5,8 @@ from pathlib import Path
 from logs.axis import Axis
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.planar import on_floor
-from symolo.core.pose_lines import numbers_in_first_line
-from symolo.core.tum_file import read_tum
+from symolo.core.tables.pose_lines import numbers_in_first_line
+from symolo.core.tables.tum_file import read_tum
 
 
 def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:

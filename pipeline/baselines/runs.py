@@ -25,7 +25,7 @@ from pipeline.run_folder.stored_spec import read_simulated_spec
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import SIDE, SPEC
 from symolo.dataset.tables.rows import Rows

@@ -14,10 +14,10 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.case_format import BLIND, DATA
+from diagnosis.measured.case_files.case_format import BLIND, DATA
+from diagnosis.measured.case_files.nominal import NOMINAL
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NOMINAL
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of

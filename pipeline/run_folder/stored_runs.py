@@ -8,7 +8,7 @@ from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import check_tree
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.layout import STAGES
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table
 from symolo.dataset.tables.sensor_tables import sensor_csv

@@ -16,7 +16,7 @@ from sensors.build import listed_sensors
 from symolo.core.errors import one_line
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.scratch_folders import scratch_folder
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import RunRecord, describe
 from symolo.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC, STAGES, frame_name

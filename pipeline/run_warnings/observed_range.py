@@ -8,7 +8,7 @@ from configs.posterior.schema import MeasuredRange
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from symolo.core.arrays import Array
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 
 MARGIN = 0.1
 """Distance beyond the range, as a share of its width, that does not count."""

@@ -18,7 +18,7 @@ from symolo.arena.footprints import wall_footprint
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 from symolo.core.progress import plural
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.codes import State
 
 MIN_PATH_M = 0.01

@@ -16,7 +16,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.layout import CAMERAS, DATA, POSITIONS, SIDE
 from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv, obstacles_csv_at

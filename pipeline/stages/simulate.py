@@ -18,7 +18,7 @@ from pipeline.stages.closed_loop import ClosedLoop
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
-from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.tables.camera_rows import image_column
 from symolo.dataset.tables.obstacles import obstacle_series
 from symolo.dataset.tables.side_tables import BOARD_SERIES

@@ -27,7 +27,7 @@ from symolo.core.files.atomic_files import write_file
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report, plural
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 from symolo.dataset.documents.metadata import FailedRun

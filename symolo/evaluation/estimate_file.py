@@ -8,9 +8,9 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, together
 from symolo.core.files.text_file import TextFile, read_text
-from symolo.core.pose_lines import check_times
-from symolo.core.table import CsvTable, NumberColumn, cells_of, header_faults, table_of
-from symolo.core.tum_file import read_tum
+from symolo.core.tables.pose_lines import check_times
+from symolo.core.tables.table import CsvTable, NumberColumn, cells_of, header_faults, table_of
+from symolo.core.tables.tum_file import read_tum
 from symolo.evaluation.estimate import COVARIANCE_ALLOWED, EstimatedTrajectory, check_size, first_impossible
 
 ENDINGS = (".csv", ".txt", ".tum")

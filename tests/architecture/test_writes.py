@@ -20,7 +20,7 @@ JUSTIFIED = {
     ("physics/bullet/body.py", "write_text"): "the URDF in a scratch folder, for PyBullet reads no text",
     ("hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
     ("pipeline/baselines/learned/model.py", "savez_compressed"): "into a buffer",
-    ("symolo/core/time_series.py", "savez_compressed"): "into a buffer",
+    ("symolo/core/tables/time_series.py", "savez_compressed"): "into a buffer",
     ("logs/bags/child.py", "savez"): "into the scratch folder of its owner",
     ("symolo/core/files/file_locks.py", "open"): "files that are locked and hold nothing",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",

@@ -8,7 +8,7 @@ import pytest
 from diagnosis.engine.base import by_twin
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 ROWS = 60
 ROW_S = 0.05

@@ -7,7 +7,7 @@ import yaml
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.examples.example import FOLDER as EXAMPLES
-from diagnosis.measured.nominal import read_nominal
+from diagnosis.measured.case_files.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels

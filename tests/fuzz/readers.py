@@ -34,7 +34,7 @@ from pipeline.run_folder.stored_spec import spec_problem
 from symolo.compare.folders import compare
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.progress import LineReport
-from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, released_hashes, tag_manifest

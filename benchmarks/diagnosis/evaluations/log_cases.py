@@ -22,7 +22,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.stages.simulate import simulate
 from sensors.line.line_channels import CHANNELS
 from symolo.core.arrays import Array
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows, csv_bytes, wrapped
 
 SCENARIOS = ("symolo", "classroom", "wall_gaps")

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers import micromouse
 from diagnosis.inference.selection.plausible import beyond
+from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from sensors.ranging.tof import NOISE_AT_NEAR_MM
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 Array = NDArray[np.float64]
 

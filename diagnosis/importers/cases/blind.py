@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.importers.cases.trials import trials_of
-from diagnosis.measured.case_format import BLIND, COLUMNS, channel_columns
-from diagnosis.measured.csv_table import read_csv
+from diagnosis.measured.case_files.case_format import BLIND, COLUMNS, channel_columns
+from diagnosis.measured.case_files.csv_table import read_csv
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from logs.recognition import is_file
 

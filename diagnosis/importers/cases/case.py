@@ -12,15 +12,15 @@ import numpy as np
 from diagnosis.importers.base import Importer
 from diagnosis.importers.cases.held_voltages import with_held_voltages
 from diagnosis.importers.cases.trials import KnownNoise, trials_of
-from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
-from diagnosis.measured.csv_table import read_csv
+from diagnosis.measured.case_files.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, VOLTAGES, channel_columns
+from diagnosis.measured.case_files.csv_table import read_csv
+from diagnosis.measured.case_files.nominal import NOMINAL, NominalCase, read_nominal
 from diagnosis.measured.measurement import CHECK_UNIT, CaseKind, Measurement, MeasurementSource
-from diagnosis.measured.nominal import NOMINAL, NominalCase, read_nominal
 from logs.plausible_units import confused_units
 from logs.recognition import is_file
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 from symolo.core.yaml.reader import MAX_BYTES, parse_yaml
 
 Parameters = TypeVar("Parameters", bound=NominalCase)

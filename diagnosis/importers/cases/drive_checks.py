@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.importers.cases.motor_checks import goes_against, speed_checks
+from diagnosis.measured.case_files.nominal import NominalMotor
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement, Trial
-from diagnosis.measured.nominal import NominalMotor
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, PoseByTicks, pose_by_ticks
 from logs.counts import jump_note
 from logs.drive import COUNTED

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.importers.cases.order import check_increasing
-from diagnosis.measured.case_format import VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
-from diagnosis.measured.csv_table import read_csv
+from diagnosis.measured.case_files.case_format import VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
+from diagnosis.measured.case_files.csv_table import read_csv
 from diagnosis.measured.measurement import Trial
 from diagnosis.measured.zero_order_hold import held_means
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 MAX_APART_V = 0.02
 """Largest median difference between a mean voltage of data.csv and that of the finer voltages; both are rounded."""

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.channel import Channel
-from diagnosis.measured.csv_table import MeasuredColumn
 from symolo.core.arrays import Array
-from symolo.core.table import CsvTable
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.table import CsvTable
+from symolo.core.tables.time_series import TimeSeries
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,10 +7,10 @@ from diagnosis.importers.cases.case import scale_note
 from diagnosis.importers.cases.motor_checks import goes_against, number_checks, sign_check, speed_checks
 from diagnosis.importers.cases.trials import KnownNoise
 from diagnosis.importers.cases.voltage_rows import voltage_row_checks
+from diagnosis.measured.case_files.nominal import NominalSteady, NominalStep, StepNoise
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, Measurement
-from diagnosis.measured.nominal import NominalSteady, NominalStep, StepNoise
 from symolo.core.arrays import Array
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 
 CLEAR_OF_STALL = 3.0
 """Voltage in breakaway voltages from which friction reduces the speed only a little."""

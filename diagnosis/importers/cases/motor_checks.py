@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from diagnosis.importers.cases.case import scale_note
+from diagnosis.measured.case_files.nominal import NominalMotor
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT
-from diagnosis.measured.nominal import NominalMotor
 from symolo.core.arrays import Array
 
 MIN_DRIVEN_ROWS = 10

@@ -9,7 +9,7 @@ from diagnosis.measured.screening import GAP
 from logs.plausible_units import mixed_up_unit
 from logs.times import usual_step
 from symolo.core.errors import InputError
-from symolo.core.table import CsvTable
+from symolo.core.tables.table import CsvTable
 
 LATEST_START = 5.0
 """Latest time of the first row of a trial, in periods after rest."""

@@ -6,10 +6,10 @@ from math import degrees
 
 import numpy as np
 
-from diagnosis.measured.case_format import POSE, RANGE_SIDES
+from diagnosis.measured.case_files.case_format import POSE, RANGE_SIDES
+from diagnosis.measured.case_files.nominal import KnownRoom, Mount, NominalDrive
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CHECK, Measurement
-from diagnosis.measured.nominal import KnownRoom, Mount, NominalDrive
 from diagnosis.measured.room_distances import room_ranges
 from symolo.core.arrays import Array
 

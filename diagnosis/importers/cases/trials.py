@@ -7,14 +7,14 @@ from itertools import pairwise
 import numpy as np
 
 from diagnosis.importers.cases.order import check_from_rest, check_increasing, check_session
-from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
+from diagnosis.measured.case_files.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
+from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.channel import Channel, Label, Mask
-from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import Trial
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
-from symolo.core.table import CsvTable
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.table import CsvTable
+from symolo.core.tables.time_series import TimeSeries
 
 
 @dataclass(frozen=True)

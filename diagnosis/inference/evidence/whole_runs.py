@@ -24,9 +24,9 @@ from diagnosis.inference.fitting.fit import HypothesisFit, at
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.selection.stepwise import MAX_EFFECTS
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
+from diagnosis.measured.case_files.nominal import KnownWheels
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels
 from diagnosis.predictors.pose.by_counts import Pose, seen_from_body
 from diagnosis.predictors.rows import good_values
 from symolo.core.arrays import Array

@@ -16,7 +16,7 @@ from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals, with_random_drift
 from diagnosis.inference.selection.stepwise import Selection
 from diagnosis.inference.unexplained.adequacy import Adequacy, adequacy
-from diagnosis.inference.unexplained.random_drift import rise_with_drift
+from diagnosis.inference.unexplained.drift.random_drift import rise_with_drift
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms

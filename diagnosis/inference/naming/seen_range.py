@@ -15,7 +15,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import change_by
-from diagnosis.measured.case_format import LONG_AFTER_S
+from diagnosis.measured.case_files.case_format import LONG_AFTER_S
 from diagnosis.predictors.base import CovariateShape, Observed
 from symolo.core.arrays import Array
 

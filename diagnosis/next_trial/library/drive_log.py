@@ -7,9 +7,9 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.case_format import POSE, RANGE_SIDES
+from diagnosis.measured.case_files.case_format import POSE, RANGE_SIDES
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.room_distances import room_ranges
 from diagnosis.next_trial.library.base import Library, Units
 from diagnosis.next_trial.library.manoeuvres import Manoeuvre, Reach, manoeuvres, path_of

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalStep
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NominalStep
 from diagnosis.next_trial.library.base import Library, Units
 from diagnosis.next_trial.limits import Limits
 from diagnosis.next_trial.template import measurement_of, trial_with

@@ -6,8 +6,8 @@ from itertools import product
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NominalTof
 from diagnosis.next_trial.library.base import Library, Units
 from diagnosis.next_trial.library.rows import library_of_rows
 from diagnosis.next_trial.limits import Limits

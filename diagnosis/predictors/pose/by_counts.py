@@ -15,10 +15,10 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
+from diagnosis.measured.case_files.nominal import KnownWheels, NominalDrive, NominalLog
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels, NominalDrive, NominalLog
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, SharedReading
 from diagnosis.predictors.distinct import distinct

@@ -7,8 +7,8 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalLog
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalLog
 from diagnosis.predictors.pose.by_counts import WINDOW, Pose
 from diagnosis.predictors.rows import bridged, good_values
 from physics.robot.model import RobotModel

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose.by_counts import PoseNoise, earlier

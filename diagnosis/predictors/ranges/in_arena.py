@@ -16,11 +16,11 @@ from configs.effects.base import Effect, Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.nominal import LogNoise
+from diagnosis.measured.case_files.symolo_columns import RANGE_READINGS
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import LogNoise
-from diagnosis.measured.symolo_columns import RANGE_READINGS
 from diagnosis.predictors.ranges.arenas import LogArenas
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.rows import trial_of_rows

@@ -7,9 +7,9 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.room_distances import WALLS, RoomRanges, near_corner, room_ranges
 from diagnosis.predictors.pose.guided_pose import wheel_steps
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import stackable_groups, stacked, stacked_effects

@@ -8,8 +8,8 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.whole_runs import PARTS, WholeRuns, fitted_to_whole_runs
+from diagnosis.measured.case_files.nominal import KnownWheels
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import KnownWheels
 from diagnosis.report.sentences.quantities import with_error
 
 

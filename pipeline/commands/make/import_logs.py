@@ -263,7 +263,7 @@ def read_settings(
 
 def _place(text: str) -> tuple[float, float]:
     """Return the place of a body on the robot, from the text of --body-at."""
-    from symolo.core.table import number_of
+    from symolo.core.tables.table import number_of
 
     x_m, y_m, *others = (*map(number_of, text.split(",")), float("nan"), float("nan"))
     if len(others) != 2 or not (abs(x_m) <= 10 and abs(y_m) <= 10):

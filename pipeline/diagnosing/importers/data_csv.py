@@ -10,7 +10,7 @@ from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from logs.recognition import first_line
 from symolo.core.arrays import Array
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 from symolo.dataset.layout import DATA
 from symolo.dataset.tables.rows import COLUMNS, HEADER, REQUIRED, Ints, Rows, read_rows
 

@@ -20,7 +20,7 @@ from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import DATA, SIDE

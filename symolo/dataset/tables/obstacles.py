@@ -6,7 +6,7 @@ import numpy as np
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.core.time_series import Recording, TimeSeries
+from symolo.core.tables.time_series import Recording, TimeSeries
 from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.rows import ROW_TIME, Rows, heading, wrapped
 from symolo.dataset.tables.side_tables import SideTable

@@ -13,8 +13,8 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.text_file import LineFault, decode_text
-from symolo.core.table import MAX_FAULTS, NumberColumn, header_fault, table_of
-from symolo.core.time_series import Recording
+from symolo.core.tables.table import MAX_FAULTS, NumberColumn, header_fault, table_of
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.codes import State
 from symolo.dataset.manifest import repair_cure
 from symolo.dataset.tables.column import Column, Series

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.tables.column import Column
 from symolo.dataset.tables.side_tables import SideTable
 

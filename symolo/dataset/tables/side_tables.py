@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.core.time_series import Recording
+from symolo.core.tables.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
 from symolo.dataset.tables.column import Column, Series, single
 from symolo.dataset.tables.rows import ROW_TIME, Numbers, Rows, csv_bytes, heading

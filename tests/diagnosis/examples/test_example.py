@@ -10,7 +10,7 @@ import pytest
 
 from diagnosis.examples.example import FOLDER, example_of, examples
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.nominal import MODELS
+from diagnosis.measured.case_files.nominal import MODELS
 from pipeline.cli import main
 from pipeline.diagnosing.importers import IMPORTERS
 from symolo.core.errors import InputError

@@ -8,10 +8,10 @@ import yaml
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.case_files.write_case import csv_of, write_case
 from diagnosis.measured.channel import Role, SampleQuality
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.overview import overview
-from diagnosis.measured.write_case import csv_of, write_case
 from symolo.core.errors import InputError
 from symolo.core.yaml import reader
 

@@ -14,10 +14,10 @@ from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.case_files.write_case import csv_of, write_case
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import trimmed_variance
 from diagnosis.measured.screening import noise_of, spikes
-from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 

@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.write_case import write_case
+from diagnosis.measured.case_files.write_case import write_case
 from diagnosis.measured.zero_order_hold import held_means
 from symolo.core.errors import InputError
 

@@ -7,7 +7,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.errors import InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 T_S = np.arange(3.0)
 

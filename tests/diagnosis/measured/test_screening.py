@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.measured.channel import Channel, Role, SampleQuality
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 
 def rng(seed):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.importers.cases.motor_checks import number_checks, speed_checks
-from diagnosis.measured.nominal import NominalMotor
+from diagnosis.measured.case_files.nominal import NominalMotor
 from tests.diagnosis.new_case.drives import SLOPE, TC, TICKS, B, K, R
 
 

@@ -12,7 +12,7 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.nominal import NominalSteady, NominalStep
+from diagnosis.measured.case_files.nominal import NominalSteady, NominalStep
 from diagnosis.new_case.known_numbers import numbers_of
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES

@@ -16,7 +16,7 @@ from configs.loader import load_scenario, load_section
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.measured.nominal import KnownRoom, NominalMovingMotor
+from diagnosis.measured.case_files.nominal import KnownRoom, NominalMovingMotor
 from diagnosis.next_trial.drive_files import drive_files
 from diagnosis.next_trial.library import drive_log
 from diagnosis.next_trial.library.manoeuvres import Reach, manoeuvres, path_of

@@ -9,9 +9,9 @@ import pytest
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
+from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalDrive
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from physics.effects.driver_and_battery.battery_decline import BatteryDecline
@@ -42,7 +42,7 @@ from sensors.effects.range_sensor.tof_mount_yaw import TofMountYaw
 from sensors.effects.range_sensor.tof_range_offset import TofRangeOffset
 from sensors.effects.range_sensor.tof_range_scale import TofRangeScale
 from sensors.effects.range_sensor.tof_time_offset import TofTimeOffset
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B

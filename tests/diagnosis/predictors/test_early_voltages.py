@@ -4,7 +4,7 @@ import pytest
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.early_voltages import SHAPES, held_earlier, independent_responses, shaped, steps_s
 from physics.drivetrain.motor import MotorModel
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 MOTOR = MotorModel(
     resistance_ohm=4.0, torque_constant_N_m_A=0.3, viscous_N_m_s_rad=0.002, coulomb_N_m=0.0, inertia_kg_m2=0.003

@@ -12,9 +12,9 @@ from configs.schema.arena import ArenaConfig
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.selection.scan import starts
+from diagnosis.measured.case_files.nominal import LogNoise, NominalLog
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors.line_readings import LineReadings
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.ranges.unit_spread import cleaned
@@ -25,7 +25,7 @@ from sensors.effects.line_sensor.line_gain import LineGain
 from sensors.effects.line_sensor.line_height import LineHeight
 from sensors.effects.line_sensor.line_lateral_offset import LineLateralOffset
 from sensors.effects.line_sensor.line_offset import LineOffset
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 ROWS = 40
 FLOOR, TAPE, WIDTH_M = 0.85, 0.05, 0.015

@@ -10,9 +10,9 @@ from configs.draw import draw_robot
 from configs.effects.base import Setup
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
+from diagnosis.measured.case_files.nominal import NominalSteady, NominalStep
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from physics.effects.driver_and_battery.input_delay import InputDelay
@@ -23,7 +23,7 @@ from physics.effects.motor_and_gearbox.torque_constant_mismatch import TorqueCon
 from sensors.effects.motor_bench.current_sensor_gain import CurrentSensorGain
 from sensors.effects.motor_bench.speed_time_offset import SpeedTimeOffset
 from symolo.core.errors import InputError
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 ALL_EFFECTS = EFFECTS.classes()
 ROWS_S = 0.005 * np.arange(1, 201)

@@ -11,7 +11,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.predictors import STAGES
 from physics.arena.surfaces import SURFACES
 from sensors.effects.range_sensor.tof_time_offset import TofTimeOffset
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 ROW_S, ROWS = 0.05, 41
 SPEED = 0.2

@@ -8,9 +8,9 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
+from diagnosis.measured.case_files.nominal import LogNoise, NominalLog
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import LogNoise, NominalLog
 from diagnosis.predictors import STAGES
 from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.turn_slip import TurnSlip
@@ -26,7 +26,7 @@ from sensors.effects.range_sensor.tilt_asymmetry import TiltAsymmetry
 from sensors.effects.range_sensor.tof_mount_yaw import TofMountYaw
 from sensors.effects.range_sensor.tof_range_offset import TofRangeOffset
 from sensors.effects.range_sensor.tof_time_offset import TofTimeOffset
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 ROW_S, ROWS = 0.05, 41
 WALL_X = 1.0

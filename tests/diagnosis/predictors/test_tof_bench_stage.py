@@ -8,9 +8,9 @@ import pytest
 from configs.draw import draw_robot
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
+from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from sensors.effects.range_sensor.ambient_noise import AmbientNoise
@@ -24,7 +24,7 @@ from sensors.effects.range_sensor.noise_scale import NoiseScale
 from sensors.effects.range_sensor.range_saturation import RangeSaturation
 from sensors.effects.range_sensor.temperature_drift import TemperatureDrift
 from sensors.effects.range_sensor.warmup_drift import WarmupDrift
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
 NOMINAL = NominalTof.model_validate(

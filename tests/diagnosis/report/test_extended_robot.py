@@ -22,7 +22,7 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.fitting.likelihood import stated_noise
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.rivals import RivalComparison
-from diagnosis.measured.nominal import read_nominal
+from diagnosis.measured.case_files.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from physics.drivetrain.motor_bench import steady_states

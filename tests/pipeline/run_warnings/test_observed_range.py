@@ -8,7 +8,7 @@ from configs.posterior.schema import MeasuredRange
 from configs.schema.effect_range import EffectRange
 from physics.effects.wheels_and_floor.turn_slip import TurnSlip
 from pipeline.run_warnings.observed_range import range_warnings
-from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 
 ROWS = 100
 

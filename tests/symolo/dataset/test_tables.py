@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from pipeline.rerendering.image_rows import image_numbers
 from symolo.core.errors import InputError
-from symolo.core.table import MAX_FAULTS
-from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.core.tables.table import MAX_FAULTS
+from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import BOARD_COLUMNS, BOARD_EVENT_COLUMNS, State
 from symolo.dataset.documents import metadata
 from symolo.dataset.manifest import manifest, read_manifest

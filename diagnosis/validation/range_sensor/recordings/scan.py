@@ -10,7 +10,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.files.text_file import read_text
-from symolo.core.table import NumberColumn, cells_of, table_of
+from symolo.core.tables.table import NumberColumn, cells_of, table_of
 
 MAX_RANGE_MM = 8189.0
 """Largest range [mm]; the device's codes for "no target" begin above."""

@@ -13,7 +13,7 @@ from diagnosis.validation.range_sensor.stand import SensorOnStand, target
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
-from symolo.core.table import NumberColumn, number, table_of
+from symolo.core.tables.table import NumberColumn, number, table_of
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
 MIN_READINGS = 1000

@@ -27,7 +27,7 @@ from diagnosis.predictors import STAGES
 from diagnosis.report.sentences.sessions import session_sentences
 from diagnosis.usual_tolerances import usual_wheels
 from sensors.effects.pose_log.marker_yaw import MarkerYaw
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 COUNTS = 20_000
 WHEELS = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)

@@ -11,7 +11,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 COUNTS = 2000
 NOMINAL = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)

@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import tof_bench
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.unexplained.drift_search import DriftSearch
+from diagnosis.inference.unexplained.drift.search import DriftSearch
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 SD_M, TAU_S = 0.01, 12.0

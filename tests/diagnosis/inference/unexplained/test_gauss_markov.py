@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from diagnosis.inference.unexplained.gauss_markov import ErrorModel, estimate, likelihoods
+from diagnosis.inference.unexplained.drift.gauss_markov import ErrorModel, estimate, likelihoods
 
 T_S = np.cumsum(np.random.default_rng(1).uniform(0.5, 4.0, 40))
 SD_M = np.random.default_rng(2).uniform(0.001, 0.004, 40)

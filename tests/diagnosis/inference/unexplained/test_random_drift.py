@@ -12,8 +12,8 @@ from diagnosis.importers import tof_bench
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.inference.unexplained import drift_search as module
-from diagnosis.inference.unexplained.random_drift import random_drift
+from diagnosis.inference.unexplained.drift import search as module
+from diagnosis.inference.unexplained.drift.random_drift import random_drift
 from diagnosis.report.report_data import report_data
 from diagnosis.report.verdict import effect_sentences, headline
 from sensors.effects.range_sensor.range_wander import RangeWander

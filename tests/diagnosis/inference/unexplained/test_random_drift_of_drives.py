@@ -14,8 +14,8 @@ from diagnosis.importers import drive_log
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
-from diagnosis.inference.unexplained.random_drift import random_drift
-from diagnosis.inference.unexplained.range_series import RangeSeries, range_rows
+from diagnosis.inference.unexplained.drift.random_drift import random_drift
+from diagnosis.inference.unexplained.drift.range_series import RangeSeries, range_rows
 from diagnosis.predictors import STAGES
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")

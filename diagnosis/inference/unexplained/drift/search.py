@@ -16,7 +16,15 @@ from diagnosis.inference.fitting.likelihood import LEVEL_SD, LEVELS
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, THRESHOLD_OF_NOISE
 from diagnosis.inference.unexplained.change import MOMENT_PARAMETERS
-from diagnosis.inference.unexplained.drift_rivals import (
+from diagnosis.inference.unexplained.drift.gauss_markov import (
+    ErrorModel,
+    Likelihoods,
+    LinearEstimate,
+    estimate,
+    likelihoods,
+)
+from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, range_rows
+from diagnosis.inference.unexplained.drift.rivals import (
     RATIOS,
     SHORT,
     SHORT_OF_SERIES,
@@ -27,8 +35,6 @@ from diagnosis.inference.unexplained.drift_rivals import (
     lines,
     short_noise,
 )
-from diagnosis.inference.unexplained.gauss_markov import ErrorModel, Likelihoods, LinearEstimate, estimate, likelihoods
-from diagnosis.inference.unexplained.range_series import RangeRows, RangeSeries, range_rows
 from diagnosis.measured.channel import Mask
 from sensors.effects.range_sensor.range_wander import RangeWander
 from symolo.core.arrays import Array

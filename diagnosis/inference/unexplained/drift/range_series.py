@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import SESSION
-from diagnosis.measured.case_format import RANGES
+from diagnosis.measured.case_files.case_format import RANGES
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME, SESSION_TIME, Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array

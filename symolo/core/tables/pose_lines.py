@@ -8,7 +8,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.files.text_file import read_text
-from symolo.core.table import NO_NUMBER, number
+from symolo.core.tables.table import NO_NUMBER, number
 
 _PEEKED_BYTES = 4096
 

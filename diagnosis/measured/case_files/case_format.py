@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from diagnosis.measured.case_files.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.channel import Role
-from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.plausible_units import PlausibleRange
 from sensors.ranging.range_view import RANGE_SENSORS
-from symolo.core.table import WordColumn
+from symolo.core.tables.table import WordColumn
 
 DATA = "data.csv"
 HOLDOUT = "holdout"

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
-from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
+from diagnosis.measured.case_files.case_format import COLUMNS, DATA, HOLDOUT, VOLTAGE_COLUMNS, VOLTAGES, WHEEL_VOLTAGES
+from diagnosis.measured.case_files.csv_table import CaseColumn, MeasuredColumn
+from diagnosis.measured.case_files.nominal import NOMINAL, KnownMotor, KnownWheels
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
 from symolo.core.arrays import Array
 from symolo.core.files.atomic_files import make_folder, write_file
 

@@ -4,7 +4,7 @@ The drift (effect `range_wander`) has a standard deviation and a time constant, 
 likelihood beats that of all that looks like it: white noise, a drift after power-on, a linear drift, a jump at one
 moment, noise that is correlated over few rows, a scale that drifts randomly, and any smooth function of another
 covariate. The likelihood is that of a first-order Gauss-Markov error beside white noise, with the error itself
-integrated out (`diagnosis.inference.unexplained.gauss_markov`).
+integrated out (`diagnosis.inference.unexplained.drift.gauss_markov`).
 
 It imitates a drift after power-on, an offset, and structure along anything that changes slowly. So the selected effects
 are weighed again beside it: what it explains by itself is no effect. Where the rows of a bench do not distinguish it
@@ -25,8 +25,8 @@ from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_p
 from diagnosis.inference.selection.refusal import is_of_noise, needed
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.selection.rivals import AS_GOOD, confidence
-from diagnosis.inference.unexplained.drift_rivals import RATIOS
-from diagnosis.inference.unexplained.drift_search import DriftFit, DriftSearch
+from diagnosis.inference.unexplained.drift.rivals import RATIOS
+from diagnosis.inference.unexplained.drift.search import DriftFit, DriftSearch
 from sensors.effects.range_sensor.range_wander import RangeWander
 from sensors.effects.range_sensor.warmup_drift import WarmupDrift
 from symolo.core.arrays import Array

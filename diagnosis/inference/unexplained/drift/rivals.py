@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.fitting.fit import HypothesisFit
-from diagnosis.inference.unexplained.gauss_markov import Likelihoods, likelihoods
-from diagnosis.inference.unexplained.range_series import RangeRows, RangeSeries, coordinates
+from diagnosis.inference.unexplained.drift.gauss_markov import Likelihoods, likelihoods
+from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, coordinates
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 

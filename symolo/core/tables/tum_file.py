@@ -11,7 +11,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.geometry.poses import rotations
-from symolo.core.pose_lines import check_times, read_pose_lines
+from symolo.core.tables.pose_lines import check_times, read_pose_lines
 
 NAMES = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 _MIN_LENGTH = 0.5

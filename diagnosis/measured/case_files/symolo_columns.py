@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from diagnosis.measured.case_format import POSE
+from diagnosis.measured.case_files.case_format import POSE
 from symolo.dataset.tables.rows import LINE, RANGES
 
 POSES: Mapping[str, str] = MappingProxyType(dict(zip(POSE, ("x", "y", "theta"), strict=True)))

@@ -8,10 +8,10 @@ import numpy as np
 
 from diagnosis.measured.channel import Role
 from logs.plausible_units import PlausibleRange, beyond_scale, likely_unit
-from symolo.core import table
 from symolo.core.errors import InputError, together
 from symolo.core.files.text_file import LineFault, TextFile, read_text
-from symolo.core.table import CsvTable, NumberColumn, TableColumn, WordColumn
+from symolo.core.tables import table
+from symolo.core.tables.table import CsvTable, NumberColumn, TableColumn, WordColumn
 
 _LARGEST = 1e100
 """Largest number in a log. A reading far out of reach is an outlier and stays, but no square may overflow."""
@@ -89,7 +89,7 @@ def table_of(
     separator: str = ",",
     may_break: bool = False,
 ) -> CsvTable:
-    """Return the table below a header; the arguments are those of `symolo.core.table.table_of`.
+    """Return the table below a header; the arguments are those of `symolo.core.tables.table.table_of`.
 
     Raises:
         InputError: The table has a fault, or a column is out of reach.

@@ -1,0 +1,1 @@
+"""Files of a measured case: nominal.yaml and data.csv, read strictly and written."""

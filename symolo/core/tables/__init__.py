@@ -1,0 +1,1 @@
+"""Tables of numbers: rows in files, samples over time, and poses as lines of text."""
