@@ -5,6 +5,10 @@ row are predicted for what was seen in it: the current of a motor that stands st
 follows from its speed. Whether it turns is evidence of its own: no motor starts at exactly the same torque each time,
 so that a row has a probability of it (logistic regression: McCullagh and Nelder, Generalized Linear Models, 2nd ed.,
 chapter 4). Its deviance residual is added to the prediction of the speed.
+
+Where the noise of the instrument hides whether the motor turns, its current is (u - K w) / R all the same, with the
+measured speed w, whose noise adds to that of the current. For the speed, the more probable of two explanations counts:
+the motor turns as slowly as the model says, or it stands still by chance.
 """
 
 from collections.abc import Sequence
@@ -18,6 +22,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_of_rows
+from diagnosis.predictors.seen_motion import seen_motion
 from physics.drivetrain.motor_bench import RowHistory, steady_states, steady_states_of_known_motion
 from physics.robot.model import RobotModel
 from physics.robot.stack import stackable_groups, stacked, stacked_effects
@@ -29,11 +34,6 @@ NEAR_BREAKAWAY = 2.2
 """Multiple of the breakaway voltage up to which a row is not used if nobody knows whether the motor turned in it."""
 BREAKAWAY_SPREAD = 0.05
 """Scale of the logistic distribution of the torque at which a motor starts, as a share of its friction at rest."""
-STILL, TURNING = 3.0, 6.0
-"""Speed readings in standard deviations of their noise, below which a motor stands still and above which it turns, of
-an instrument that does not read exactly 0 at rest."""
-
-
 STEP_DECIMALS = 6
 """Digits to which a step of the voltage is rounded [V]."""
 
@@ -63,9 +63,9 @@ class MotorSteady:
         self._known = np.isfinite(self._voltage_V)
         if self._supply_V is not None:
             self._known &= np.isfinite(self._supply_V)
-        self._turns = np.zeros(len(self._known), dtype=bool)
-        self._is_seen = np.zeros(len(self._known), dtype=bool)
+        self._speed_rad_s = np.full(len(self._known), np.nan)
         self._speed_sd_rad_s = np.zeros(len(self._known))
+        self._motion = seen_motion(self._speed_rad_s, self._speed_sd_rad_s, self._voltage_V)
         current, speed = (mean[0] for mean in self._means([nominal]))
         motor = nominal.motor
         breakaway_V = motor.winding_resistance_ohm * motor.coulomb_friction_N_m / motor.torque_constant_N_m_A
@@ -81,18 +81,18 @@ class MotorSteady:
             Covariate("t_s", self._since_on_s),
             Covariate("sweep", trial_of_rows(measurement).astype(float), CovariateShape.CATEGORY),
         )
-        measured = good_values(measurement, "omega_rad_s")
-        everywhere = observed_channel(measurement, "omega_rad_s", self._known, covariates)
-        self._speed_sd_rad_s = everywhere.sd
-        self._is_seen, self._turns = _seen(measured, everywhere.sd, self._voltage_V, self.is_far)
-        self._is_seen &= self._known
-        usable = self.is_far | self._is_seen
+        self._speed_rad_s = np.where(self._known, good_values(measurement, "omega_rad_s"), np.nan)
+        of_speed = observed_channel(measurement, "omega_rad_s", self._known, covariates)
+        self._speed_sd_rad_s = of_speed.sd
+        self._motion = motion = seen_motion(self._speed_rad_s, of_speed.sd, self._voltage_V)
+        usable = self.is_far | motion.is_seen
         # Without a voltage a motor stands still for certain, which says nothing.
-        of_speed = np.where(self._is_seen, size_V > 0.0, self.is_far)
-        stands = self._is_seen & ~self._turns
-        self.observed: tuple[Observed, ...] = tuple(
-            replace(observed_channel(measurement, name, rows, covariates), is_series=False, is_state=states)
-            for name, rows, states in (("current_A", usable, None), ("omega_rad_s", usable & of_speed, stands))
+        of_speed = observed_channel(measurement, "omega_rad_s", usable & (size_V > 0.0), covariates)
+        of_current = observed_channel(measurement, "current_A", usable, covariates)
+        amperes_per_rad_s = np.where(motion.is_hidden, motor.torque_constant_N_m_A / motor.winding_resistance_ohm, 0.0)
+        self.observed: tuple[Observed, ...] = (
+            replace(of_current, is_series=False, sd=np.hypot(of_current.sd, amperes_per_rad_s * of_speed.sd)),
+            replace(of_speed, is_series=False, is_state=motion.stands | motion.is_hidden),
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
@@ -107,7 +107,8 @@ class MotorSteady:
             model = RobotModel.from_config(stacked(several, axes=2))
             effects = stacked_effects(several, axes=1)
             past = RowHistory.of(model, self._voltage_V, self._since_on_s)
-            for rows, states in ((self._known & ~self._is_seen, self._from_rest), (self._is_seen, self._as_seen)):
+            is_seen = self._motion.is_seen
+            for rows, states in ((self._known & ~is_seen, self._from_rest), (is_seen, self._as_seen)):
                 if rows.any():
                     place = np.ix_(np.array(group), np.flatnonzero(rows))
                     current[place], speed[place] = states(model, effects, rows, past.of_rows(rows))
@@ -122,35 +123,22 @@ class MotorSteady:
     def _as_seen(self, model: RobotModel, effects: RobotEffects, rows: Mask, past: RowHistory) -> tuple[Array, Array]:
         """Return the readings of current and speed (M, k) in rows of which it is known whether the motor turns."""
         voltage_V, since_on_s, supply_V = self._inputs(rows)
-        turns = self._turns[rows]
-        seen = steady_states_of_known_motion(model, voltage_V, since_on_s, turns, supply_V, past)
+        turns, is_hidden = self._motion.turns[rows], self._motion.is_hidden[rows]
+        measured = np.where(is_hidden, self._speed_rad_s[rows], np.nan)
+        seen = steady_states_of_known_motion(model, voltage_V, since_on_s, turns, supply_V, past, measured)
         chance = np.logaddexp(0.0, np.where(turns, -1.0, 1.0) * seen.surplus / BREAKAWAY_SPREAD)
         # A motor that turns although it should stand still seems too fast, and too slow the other way round.
         surprise = np.where(turns, -1.0, 1.0) * np.sign(voltage_V) * np.sqrt(2.0 * chance) * self._speed_sd_rad_s[rows]
-        speed = read_settled_speed_rad_s(effects, seen.speed_rad_s, since_on_s)
-        return read_current_A(effects, seen.current_A, since_on_s), speed + surprise
+        speed = read_settled_speed_rad_s(effects, seen.speed_rad_s, since_on_s) + surprise
+        if is_hidden.any():
+            _, slow = self._from_rest(model, effects, rows, past)
+            speed = np.where(is_hidden & (np.abs(slow) < np.abs(surprise)), slow, speed)
+        return read_current_A(effects, seen.current_A, since_on_s), speed
 
     def _inputs(self, rows: Mask) -> tuple[Array, Array, Array | None]:
         """Return voltages, times and supply voltages of some rows."""
         supply_V = None if self._supply_V is None else self._supply_V[rows]
         return self._voltage_V[rows], self._since_on_s[rows], supply_V
-
-
-def _seen(speed_rad_s: Array, sd_rad_s: Array, voltage_V: Array, is_far: Mask) -> tuple[Mask, Mask]:
-    """Return in which rows (n,) it is known whether the motor turns, and in which it does.
-
-    Args:
-        speed_rad_s: (n,), measured speeds, NaN where there is none.
-        sd_rad_s: (n,), standard deviation of their noise.
-        voltage_V: (n,), voltages.
-        is_far: (n,), rows with a voltage at which the speed of a motor that turns would be seen.
-    """
-    if np.any(speed_rad_s == 0.0):
-        return np.isfinite(speed_rad_s), np.isfinite(speed_rad_s) & (speed_rad_s != 0.0)
-    along = speed_rad_s * np.sign(voltage_V)
-    turns = along > TURNING * sd_rad_s
-    # Near the voltage at which it starts, a motor may turn so slowly that the noise hides it.
-    return turns | (is_far & (np.abs(speed_rad_s) < STILL * sd_rad_s)), turns
 
 
 def _since_on_s(trial: Trial) -> Array:

@@ -95,6 +95,7 @@ def steady_states_of_known_motion(  # noqa: PLR0917 - what the rows depend on
     turns: NDArray[np.bool_],
     supply_V: Array | None = None,
     past: RowHistory | None = None,
+    at_rad_s: Array | None = None,
 ) -> KnownMotionStates:
     """Return the steady states if the motor turns in some rows and stands still in the others.
 
@@ -108,6 +109,8 @@ def steady_states_of_known_motion(  # noqa: PLR0917 - what the rows depend on
         turns: (N,), whether the motor turns.
         supply_V: (N,), voltage of the supply; that of the robot by default.
         past: Influence of earlier rows; by default there are no other rows than these.
+        at_rad_s: (N,), speed at which the current is wanted in a row in which the motor does not surely turn; NaN for
+            that of `turns`.
 
     Raises:
         ValueError: A voltage is not a finite number.
@@ -115,7 +118,8 @@ def steady_states_of_known_motion(  # noqa: PLR0917 - what the rows depend on
     bench = _SteadyBench(model, voltage_V, time_s, supply_V, past)
     speed = bench.speed_rad_s(turns[:, None])
     surplus = bench.surplus_at_rest_N_m / np.maximum(bench.hold_N_m, MIN_FRICTION_N_M)
-    return KnownMotionStates(bench.current_A(speed)[..., 0], speed[..., 0], surplus[..., 0])
+    of_current = speed if at_rad_s is None else np.where(np.isnan(at_rad_s)[:, None], speed, at_rad_s[:, None])
+    return KnownMotionStates(bench.current_A(of_current)[..., 0], speed[..., 0], surplus[..., 0])
 
 
 class _SteadyBench:

@@ -348,22 +348,43 @@ class TestRowsNearBreakaway:
         assert not speed.usable[1]
 
     def test_an_instrument_with_noise_at_rest_is_believed_beyond_it(self, robot):
-        """No reading is exactly 0: above six standard deviations the motor turns, and below it may do so slowly."""
-        current, _ = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0]).observed
-        assert current.usable.tolist() == [True, False, False, True, True]
+        """No reading is exactly 0: above six standard deviations the motor turns, and below it may do so slowly.
+
+        In both cases the current is (u - K w) / R, and w is known from its reading to 0.1 rad/s.
+        """
+        stage = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0])
+        current, speed = stage.observed
+        assert current.usable.all()
+        assert speed.usable.tolist() == [False, True, True, True, True]
+        np.testing.assert_allclose(stage.predict([robot])[0].mean[0, 1:3], [(0.1 + K * 0.02) / R, (0.3 - K * 0.45) / R])
+        np.testing.assert_allclose(current.sd[1:3], np.hypot(current.sd[0], K * 0.1 / R))
+
+    def test_a_motor_that_turns_within_the_noise_is_no_surprise(self, robot):
+        """At 0.3 V it turns by (0.3 K / R - TC) / (K^2 / R + B), or stands still with -2 log P of 20."""
+        stage = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0])
+        turning = (0.3 * K / R - TC) / DAMPING
+        standing = 0.1 * math.sqrt(2.0 * math.log1p(math.exp(0.5 / 0.05)))
+        assert stage.predict([robot])[1].mean[0, 2] == pytest.approx(min(turning, standing))
+        slow = robot.with_section("motor", {"coulomb_friction_N_m": 1.45 * TC})
+        turning = (0.3 * K / R - 1.45 * TC) / DAMPING
+        assert stage.predict([slow])[1].mean[0, 2] == pytest.approx(turning)
+
+    def test_a_speed_against_the_voltage_beyond_the_noise_says_nothing_of_the_current(self, robot):
+        current, _ = self.stage(robot, [0.05, -1.0, 0.45, 1.0, 16.0]).observed
+        assert current.usable.tolist() == [True, False, True, True, True]
 
     def test_at_a_voltage_that_turns_a_motor_fast_it_stands_still_within_the_noise(self, robot):
         stage = self.stage(robot, [0.05, 1.0, 1.0, 1.0, 0.05])
         current, _ = stage.observed
         assert current.usable.all()
-        assert stage.predict([robot])[0].mean[0, 4] == pytest.approx(2.0 / R)
+        assert stage.predict([robot])[0].mean[0, 4] == pytest.approx((2.0 - K * 0.05) / R)
 
     def test_a_motor_that_turns_within_the_noise_does_not_change_the_resistance(self, robot):
         """At 0.1 V and half the friction the motor just turns, with the current TC / (2 K) and not 0.1 V / R."""
         easy = robot.with_section("motor", {"coulomb_friction_N_m": 0.499 * TC})
         stage = self.stage(robot, [0.05, 0.001, 1.0, 1.0, 16.0])
-        assert not stage.observed[0].usable[1]
         assert stage.predict([easy])[0].mean[0, 1] == pytest.approx(0.5 * TC / K, rel=0.01)
+        assert stage.observed[0].sd[1] > K * 0.1 / R
 
 
 def test_errors_of_the_voltage_have_the_responses_of_a_linear_motor(robot):
