@@ -26,7 +26,7 @@ MAX_FINE_DEG = 2.0
 """Largest angle that is stated with decimals."""
 MIN_RAYS, ROUNDING = 16, 0.02
 """Smallest number of rays of a lidar that looks around, and deviation of a rounded step from the exact one."""
-_ANGLE = re.compile(r"(\w+\.)*((yaw|pitch|roll|azimuth|tilt)\w*|start|end)_deg")
+_ANGLE = re.compile(r"(\w+\.)*((yaw|pitch|roll|azimuth|tilt)\w*|start|end|turn)_deg")
 
 
 def in_radians(field: str, angle: float, reason: str = "") -> Suspicion:

@@ -12,6 +12,7 @@ from physics.control.following import MAX_ERROR, follow
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from pipeline.run_warnings.angles import in_radians, settings_in_radians
+from pipeline.run_warnings.body_room import too_close
 from pipeline.run_warnings.suspicion import Suspicion
 from pipeline.run_warnings.unusual_settings import unusual_settings
 from symolo.arena.footprints import wall_footprint
@@ -80,6 +81,7 @@ def _suspicions(spec: RunSpec) -> Iterator[Suspicion]:
         yield from _starts_beside(spec, line)
         yield from _no_time_for_a_lap(spec, line)
         yield from _through_walls(spec, line)
+        yield from too_close(spec, line)
 
 
 def _outside_the_body(robot: RobotConfig) -> Iterator[Suspicion]:

@@ -18,13 +18,13 @@ class Suspicion:
 def settings_of(spec: RunSpec) -> Iterator[tuple[str, float]]:
     """Yield field path and value of each number of robot, arena, look, images and end of a run that was not drawn.
 
-    Effects are left out, and of the arena all but the line and the directions of the obstacles.
+    Effects are left out, and of the arena all but the line and the directions and motions of the obstacles.
     """
     sections = {
         "robot": spec.robot.model_dump(exclude={"effects"}),
         "arena": {
             "line": spec.arena.line.model_dump(),
-            "obstacles": [{"yaw_deg": obstacle.yaw_deg} for obstacle in spec.arena.obstacles],
+            "obstacles": [obstacle.model_dump(include={"yaw_deg", "motion"}) for obstacle in spec.arena.obstacles],
         },
         "look": spec.look.model_dump(exclude={"assets"}),
         "rates": spec.rates.model_dump(),

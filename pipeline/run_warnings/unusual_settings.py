@@ -55,6 +55,8 @@ MAX_LINE_SENSOR_M = 0.0095
 MAX_MAST = 5.0
 """Largest height of a camera above the body, relative to the body's length or width, that is usual."""
 MIN_CAMERA_HZ = 0.5
+LONG_S = 100.0
+"""Time of a waypoint up to which a run that ends before it is probably a short trial."""
 MAX_INERTIA = 50.0
 """Largest inertia of a rotor, relative to that of the robot's mass at the wheels' radius."""
 
@@ -66,6 +68,8 @@ def unusual_settings(spec: RunSpec) -> Iterator[Suspicion]:
             if value and not usual.low <= value <= usual.high and re.fullmatch(usual.field, field):
                 yield _beyond(field, value, usual.meaning, f"it is in {usual.unit}", value * usual.per)
     yield from _rare_images(spec)
+    yield from _late_waypoints(spec)
+    yield from _voltage_beyond_the_battery(spec)
     yield from _unusual_body(spec)
     yield from _unusual_heights(spec)
     yield from _large_effects(spec)
@@ -83,6 +87,31 @@ def _rare_images(spec: RunSpec) -> Iterator[Suspicion]:
     if 0.0 < rate < MIN_CAMERA_HZ:
         meaning = f"there is one image in {1.0 / rate:.3g} s"
         yield _beyond("rates.camera_hz", rate, meaning, "it is the time between two images", 1.0 / rate)
+
+
+def _late_waypoints(spec: RunSpec) -> Iterator[Suspicion]:
+    """Yield the last waypoint of each moving obstacle if the run ends before it."""
+    limit_s = spec.stop.time_limit_s
+    for index, obstacle in enumerate(spec.arena.obstacles):
+        if obstacle.motion is None:
+            continue
+        waypoints = obstacle.motion.waypoints
+        field, t_s = f"arena.obstacles.{index}.motion.waypoints.{len(waypoints) - 1}.t_s", waypoints[-1].t_s
+        if t_s > max(limit_s, LONG_S) and field not in spec.drawn:
+            meaning = f"{obstacle.name} does not reach it before the run ends at {limit_s:g} s"
+            yield _beyond(field, t_s, meaning, "it is in ms", 0.001 * t_s)
+
+
+def _voltage_beyond_the_battery(spec: RunSpec) -> Iterator[Suspicion]:
+    power, field = spec.robot.power, "robot.power.motor_voltage_limit_V"
+    drawn = spec.drawn.keys() & {field, "robot.power.battery_voltage_V"}
+    if power.motor_voltage_limit_V > power.battery_voltage_V and not drawn:
+        battery_V = power.battery_voltage_V
+        yield Suspicion(
+            f"{field} unusual",
+            f"{field} {power.motor_voltage_limit_V:g} is more than the battery has: the motors get up to"
+            f" {battery_V:g} V (robot.power.battery_voltage_V)",
+        )
 
 
 def _unusual_body(spec: RunSpec) -> Iterator[Suspicion]:

@@ -6,6 +6,7 @@ from functools import cached_property
 from symolo.core.errors import InputError
 from symolo.dataset.documents.camera_specification import further_cameras
 from symolo.dataset.layout import SIDE, SPEC, camera_folder
+from symolo.reader.by_name import ByName
 from symolo.reader.camera_run import CameraRun
 from symolo.reader.run_folder import RunFolder
 from symolo.reader.sensor import RunSensor
@@ -28,7 +29,7 @@ class Run(RunFolder):
                 where = str(self.folder / SIDE / SPEC)
                 raise InputError(f"robot.sensors has no {table.name}, which metadata.json describes", where=where)
             sensors[table.name] = RunSensor(table.name, sections[table.name], table, self._side(table))
-        return sensors
+        return ByName("sensor", self.name, sensors)
 
     @cached_property
     def cameras(self) -> dict[str, CameraRun]:
@@ -39,7 +40,8 @@ class Run(RunFolder):
         """
         names = further_cameras(self.specification)
         folders = {name: camera_folder(name) for name in names}
-        return {
+        cameras = {
             name: CameraRun(self.folder / folder, f"{self.name}/{folder}", whole=self, camera_name=name)
             for name, folder in folders.items()
         }
+        return ByName("further camera", self.name, cameras)

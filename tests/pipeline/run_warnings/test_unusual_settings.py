@@ -13,6 +13,7 @@ from pipeline.stages.simulate import simulate
 
 ROUTE = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
 ARC = "{kind: arc, center: [0.30, 0.50], radius_m: 0.25, start_deg: 0, end_deg: 1.5708}"
+CART = "[{{name: Cart, center: [-0.2, 0.3], motion: {{waypoints: [{{t_s: {t_s}, turn_deg: {turn_deg}}}]}}}}]"
 
 
 def warnings_of(*settings):
@@ -49,6 +50,15 @@ def warnings_of(*settings):
             "robot.controller.avoidance.speed_m_s=1.5",
             "avoidance.speed_m_s asks a wheel for 1.5 m/s, and the motors reach 0.57 m/s at 6 V with wheels of 0.065 m",
         ),
+        (f"arena.obstacles={CART.format(t_s=2, turn_deg=3.14159)}", "if it is in radians, write turn_deg: 180"),
+        (
+            f"arena.obstacles={CART.format(t_s=2000, turn_deg=90)}",
+            "2000 means that Cart does not reach it before the run ends at 6 s; if it is in ms, write t_s: 2",
+        ),
+        (
+            "robot.power={battery_voltage_V: 12, motor_voltage_limit_V: 24}",
+            "24 is more than the battery has: the motors get up to 12 V (robot.power.battery_voltage_V)",
+        ),
         ("robot.line_sensor.height_m=0.03", "line sensor is farther from the floor than the 9.5 mm of its data sheet"),
         ("robot.camera.height_above_base_m=1.2", "means that the camera is 1.2 m above a body of 0.18 m"),
         (
@@ -71,6 +81,8 @@ def test_a_number_in_another_unit_is_named_with_the_number_to_write(setting, end
         "robot.tof.beam_sigma_deg=1",
         "robot.camera.pitch_down_deg=0.6",
         "robot.camera.pitch_down_deg=0",
+        f"arena.obstacles={CART.format(t_s=90, turn_deg=1)}",
+        "robot.power={battery_voltage_V: 12, motor_voltage_limit_V: 12}",
         "robot.encoder.dropout_probability=0.5",
         "robot.tof.dropout_probability={uniform: [0.9, 1]}",
         "robot.tof.quantisation_m=0",

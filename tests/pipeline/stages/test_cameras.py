@@ -73,6 +73,12 @@ def test_each_camera_has_its_own_images_poses_and_intrinsics(made, symolo):
     assert {name: camera["images"] for name, camera in record["cameras"].items()} | {"": record["images"]} == IMAGES
     run = library.load(made)[RUN]
     assert list(run.cameras) == ["left", "rear", "right"]
+    with pytest.raises(
+        KeyError, match=f"{RUN} has no further camera 'reer'; allowed: left, rear, right; did you mean rear"
+    ):
+        run.cameras["reer"]
+    with pytest.raises(KeyError, match=f"{RUN} has no sensor 'lidar'; allowed: none"):
+        run.sensors["lidar"]
     assert [track.name for track in playback_of(run).cameras] == ["camera", "left", "rear", "right"]
     for name, camera in run.cameras.items():
         np.testing.assert_allclose(camera.t_s, np.arange(IMAGES[name]) * (0.3 if name == "rear" else 0.125))
