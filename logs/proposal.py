@@ -64,6 +64,8 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
     warnings = []
     for name, column in recognised.items():
         unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
+        if kind.is_by_unit(name, column):
+            warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
         if unit == PERCENT or (DUTY & set(taken_apart(column).words) and not unit):
             duties = [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
             factor, reason = _of_percent(kind, supply_V) if unit else _of_duty(kind, log, duties, supply_V)

@@ -22,6 +22,8 @@ LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
 TIME = words("t time timestamp stamp clock")
+SUPPLY = words("battery bat vbat akku supply vcc vdd bus")
+"""Words for a voltage that is not that of a motor."""
 DUTY = words("pwm duty")
 """Words for a voltage as a share of the supply's."""
 RANGE = words("tof range ranges dist distance d lidar ir sonar ultrasonic")
@@ -93,6 +95,8 @@ class LogKind:
     """Page on mapping files."""
     elsewhere: str = ""
     """What else to do with a log that lacks these quantities, as the end of a sentence."""
+    by_unit: frozenset[str] = frozenset()
+    """Quantities that a column with an unknown name may hold if it alone has a unit of the quantity."""
     held: frozenset[str] = frozenset()
     """Voltages of which a mapping may state whether they are held from their row or until it."""
 
@@ -119,10 +123,35 @@ class LogKind:
                 if column not in used and quantity.matches(taken_apart(column), unit, self.fillers):
                     result[quantity.name] = column
                     break
+        result |= self._by_unit_alone(columns, result)
         if self.lone_range and not self.ranges & result.keys():
             ranges = [name for name in columns if name not in result.values() and self._is_range(taken_apart(name))]
             result |= {self.lone_range: ranges[0]} if len(ranges) == 1 else {}
         return {name: result[name] for name in self.names if name in result}
+
+    def is_by_unit(self, name: str, column: str) -> bool:
+        """Return whether a column was taken for a quantity by its unit alone."""
+        header, unit = taken_apart(column), self.unit_of(name)
+        named = (quantity for quantity in self.quantities if quantity.name == name)
+        return (
+            name in self.by_unit
+            and column != name
+            and not any(quantity.matches(header, unit, self.fillers) for quantity in named)
+        )
+
+    def _by_unit_alone(self, columns: Sequence[str], named: Mapping[str, str]) -> dict[str, str]:
+        """Return the columns whose names are unknown, such as `Drehzahl [1/min]`, by the quantity of their unit."""
+        headers = {column: taken_apart(column) for column in columns if column not in named.values()}
+        result: dict[str, str] = {}
+        for name in sorted(self.by_unit - named.keys()):
+            units = units_for(self.unit_of(name))
+            fitting = [
+                column
+                for column, header in headers.items()
+                if header.unit in units and header.words and not SUPPLY & {*header.words}
+            ]
+            result |= {name: fitting[0]} if len(fitting) == 1 else {}
+        return result
 
     def _is_range(self, header: HeaderName) -> bool:
         """Return whether a name is that of a range sensor without a side."""

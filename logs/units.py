@@ -26,7 +26,7 @@ _SPELLINGS: Mapping[str, tuple[str, ...]] = {
     "mm/s": ("mm/s", "mm_s"),
     "rad/s": ("rad/s", "rad_s", "rads"),
     "degrees per second": ("deg/s", "deg_s", "°/s", "dps"),
-    "rpm": ("rpm", "rev/min"),
+    "rpm": ("rpm", "rev/min", "r/min", "u/min", "1/min", "min-1", "min^-1"),
     "ticks": ("ticks", "tick", "counts", "count", "cnt", "pulses", "steps"),
     "degC": ("degc", "°c", "celsius", "c"),
     "lx": ("lx", "lux"),

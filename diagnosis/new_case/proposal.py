@@ -12,6 +12,9 @@ from symolo.core.errors import InputError
 STEADY_FROM_S = 0.25
 """Time between two rows from which a log of a motor has one steady state in each row."""
 
+USUAL_NAMES = "time_ms, pwm, voltage [V], current_mA, rpm, encL, x [mm], heading_deg, range_cm"
+"""Names of columns in logs of others, one for each quantity that most logs have."""
+
 
 def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None = None) -> Proposal:
     """Return a mapping for the log of a case.
@@ -65,7 +68,9 @@ def _kind(log: LogFile) -> CaseKind:
             where=log.header_where,
             got=list(log.columns),
             allowed="; ".join(f"for {kind}: {' '.join(sorted(KINDS[kind].needed[0]))}" for kind in KINDS),
-            cure=f"rename the columns, or write a {MAPPING} (docs/case_from_log.md) and name it with --mapping",
+            cure=f"rename the columns (usual names such as {USUAL_NAMES} are recognised, too), or write a {MAPPING}"
+            f' with lines such as `t_s: {{column: "{next(iter(log.columns))}"}}` (docs/case_from_log.md#correct-the-mapping) and'
+            " name it with --mapping",
         )
     best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
     if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:

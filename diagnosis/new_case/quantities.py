@@ -78,6 +78,12 @@ _NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {
 }
 """Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried."""
 
+_BY_UNIT: Mapping[CaseKind, frozenset[str]] = {
+    kind: frozenset({"t_s", "u_cmd_V", "current_A", "omega_rad_s"})
+    for kind in (CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY)
+}
+"""Quantities of a motor, each of which has a unit of its own."""
+
 _HELD: Mapping[CaseKind, frozenset[str]] = {
     CaseKind.DRIVE_LOG: frozenset(WHEEL_VOLTAGES),
     CaseKind.MOTOR_STEP: frozenset({"u_cmd_V"}),
@@ -92,6 +98,7 @@ KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
             {column.name: column for column in COLUMNS[kind] if isinstance(column, MeasuredColumn)},
             needed,
             RANGES | ({"distance_m"} if kind is CaseKind.TOF_BENCH else set()),
+            by_unit=_BY_UNIT.get(kind, frozenset()),
             held=_HELD.get(kind, frozenset()),
             lone_range="tof_front_m" if kind is CaseKind.DRIVE_LOG else "",
         )

@@ -26,6 +26,8 @@ from symolo.core.errors import InputError
         ("v_cmd_mm_s", ("v", "cmd"), "mm/s"),
         ("encL", ("enc", "l"), ""),
         ("leftTicks", ("left",), "ticks"),
+        ("Drehzahl [1/min]", ("drehzahl",), "rpm"),
+        ("speed (U/min)", ("speed",), "rpm"),
         ("tof front [unknown]", ("tof", "front", "unknown"), ""),
     ],
 )
@@ -96,3 +98,23 @@ def test_our_own_names_are_recognised(kind):
     matches = KINDS[kind].matched(names)
     assert {quantity: column for quantity, column in matches.items() if quantity != column} == {}
     assert set(matches) == set(names)
+
+
+def test_columns_of_a_motor_with_unknown_names_are_recognised_by_their_units():
+    columns = ["Zeit [s]", "Spannung [V]", "Strom [mA]", "Drehzahl [1/min]"]
+    assert KINDS[CaseKind.MOTOR_STEP].matched(columns) == {
+        "t_s": "Zeit [s]",
+        "u_cmd_V": "Spannung [V]",
+        "current_A": "Strom [mA]",
+        "omega_rad_s": "Drehzahl [1/min]",
+    }
+
+
+@pytest.mark.parametrize("others", [["battery [V]"], ["Akku [V]"], ["Spannung 1 [V]", "Spannung 2 [V]"]])
+def test_a_unit_alone_names_no_supply_and_none_of_two_columns(others):
+    assert "u_cmd_V" not in KINDS[CaseKind.MOTOR_STEP].matched(["Zeit [s]", "Drehzahl [1/min]", *others])
+
+
+def test_a_named_column_goes_before_one_with_the_unit_alone():
+    columns = ["t [s]", "pwm", "Sensor X [V]", "speed [rpm]"]
+    assert KINDS[CaseKind.MOTOR_STEP].matched(columns)["u_cmd_V"] == "pwm"

@@ -492,8 +492,19 @@ def test_a_step_log_whose_first_row_is_still_at_rest_begins_one_row_later(first,
 
 
 def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
-    with pytest.raises(InputError, match=r"cannot recognise what was logged.*for drive_log: enc_left_ticks"):
+    with pytest.raises(InputError, match=r"cannot recognise what was logged.*for drive_log: enc_left_ticks") as refused:
         propose(log("foo,bar\n1,2\n"))
+    assert "rpm, encL, x [mm], heading_deg, range_cm are recognised, too), or write a mapping.yaml" in str(
+        refused.value
+    )
+    assert '`t_s: {column: "foo"}`' in str(refused.value)
+
+
+def test_a_note_names_each_column_that_was_taken_by_its_unit_alone(log):
+    proposal = propose(log("Zeit [s],Spannung [V],Drehzahl [1/min]\n0,1,2\n1,2,3\n"))
+    assert "Drehzahl [1/min] (omega_rad_s): taken for it by its unit alone; else correct it in mapping.yaml" in (
+        proposal.warnings
+    )
 
 
 @pytest.mark.parametrize("kind", [None, CaseKind.DRIVE_LOG])
