@@ -63,14 +63,14 @@ def _kind(log: LogFile) -> CaseKind:
     if not fitting and len(columns_of_kind[closest]) > 1:
         raise missing(log, KINDS[closest], columns_of_kind[closest])
     if not fitting:
+        line = f'`t_s: {{column: "{next(iter(log.columns))}"}}`'
         raise InputError(
             "cannot recognise what was logged from the names of the columns",
             where=log.header_where,
             got=list(log.columns),
             allowed="; ".join(f"for {kind}: {' '.join(sorted(KINDS[kind].needed[0]))}" for kind in KINDS),
             cure=f"rename the columns (usual names such as {USUAL_NAMES} are recognised, too), or write a {MAPPING}"
-            f' with lines such as `t_s: {{column: "{next(iter(log.columns))}"}}` (docs/case_from_log.md#correct-the-mapping) and'
-            " name it with --mapping",
+            f" with lines such as {line} (docs/case_from_log.md#correct-the-mapping) and name it with --mapping",
         )
     best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
     if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:

@@ -8,10 +8,10 @@ import numpy as np
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
-from diagnosis.inference.gain import gain_of
+from diagnosis.inference.gain import Gain, gain_of
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
 from diagnosis.inference.naming.verdict import MARGIN, SUBSTITUTE, NameEvidence, WithheldName, withheld
-from diagnosis.inference.selection.refusal import heldout_falls, is_at_bound, is_of_noise, needed
+from diagnosis.inference.selection.refusal import heldout_falls, is_at_bound, is_far_below_a_row, is_of_noise, needed
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals, with_random_drift
 from diagnosis.inference.selection.stepwise import Selection
@@ -62,11 +62,13 @@ def standing(
             replace(
                 _name_evidence(evidence, nominal, model, comparison, base),
                 contradicted_by=contradiction(each, base.cost - model.fit.cost),
-                gain_at_most=_gain_at_most(measured, base, model.fit, comparison.effect),
+                gain_at_most=gained.high if gained else None,
+                gain_at_least=gained.low if gained else None,
             )
             for comparison, base, each in zip(
                 model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
             )
+            for gained in [_gain(measured, base, model.fit, comparison.effect)]
         ]
         failing = [
             (each, comparison)
@@ -105,8 +107,8 @@ def _beside_drift(evidence: Evidence, model: NamedModel) -> NamedModel:
     return replace(model, comparisons=comparisons)
 
 
-def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> float | None:
-    """Return the upper end of the 95 % interval of the gain by an effect, with which a fit goes beyond a base.
+def _gain(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Gain | None:
+    """Return the gain by an effect on the held-out rows, with which a fit goes beyond a base.
 
     It is None if no rows are held out, and for an effect of the noise, which predicts no reading.
     """
@@ -114,8 +116,7 @@ def _gain_at_most(measured: Evidence, base: HypothesisFit, fit: HypothesisFit, e
         return None
     readings = measured.as_measured()
     both = [readings.predicted([each.robot]).moved(each.local_change).mean[0] for each in (base, fit)]
-    gained = gain_of(readings, np.stack(both))
-    return None if gained is None else gained.high
+    return gain_of(readings, np.stack(both))
 
 
 def _name_evidence(
@@ -145,6 +146,7 @@ def _name_evidence(
         closest_rival=rival,
         ahead=-np.inf if has_rest else advantage(evidence, base, fit),
         confidence=comparison.confidence,
+        is_far_below_a_row=is_far_below_a_row(fit, effect),
         # The statement, which the noise goes beyond, is the worst that is possible already.
         margin=0.0 if effect.kind is NoiseScale else MARGIN,
     )

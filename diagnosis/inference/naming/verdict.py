@@ -80,6 +80,10 @@ class NameEvidence:
     """Fall of the cost beyond what the selection needs, from which the name stands."""
     gain_at_most: float | None = None
     """Upper end of the 95 % interval of what the effect gains on the held-out rows; None if these cannot show it."""
+    gain_at_least: float | None = None
+    """Lower end of that interval."""
+    is_far_below_a_row: bool = False
+    """Whether the effect is a delay or a lag far shorter than the time between two rows."""
 
     @property
     def is_imitated(self) -> bool:
@@ -118,11 +122,8 @@ def withheld(evidence: NameEvidence) -> str:
         return "its size lies at the end of the possible range"
     if evidence.cancelled_by:
         return f"it and {evidence.cancelled_by} cancel each other, as if both imitate something else"
-    heldout_rise = evidence.heldout_rise_that_counts
-    if heldout_rise < -CLEAR:
-        return "the held-out rows are predicted better without it"
-    if evidence.gains_nothing:
-        return "the error of the held-out rows is smaller without it, over its whole 95 % interval"
+    if against := _against_by_heldout_rows(evidence):
+        return against
     if evidence.contradicted_by:
         return f"it is a description and no cause: fitted to the rest, it is contradicted by {evidence.contradicted_by}"
     if evidence.closest_rival is not None and evidence.closest_rival[1] < -CHEAPER:
@@ -130,11 +131,22 @@ def withheld(evidence: NameEvidence) -> str:
     if evidence.ahead >= BETTER:
         return "an error of simple form, whose cause is in no list, explains the data better"
     # Both are differences of log-likelihoods for independent rows, so that they add up.
-    rise = evidence.rise + heldout_rise
+    rise = evidence.rise + evidence.heldout_rise_that_counts
     if rise < evidence.needed + evidence.margin:
         return f"the cost falls by {rise:.1f} only, little more than by chance"
     if evidence.confidence < MIN_WEIGHT:
         return f"its weight among the alternatives is only {100.0 * evidence.confidence:.2g} %"
+    return ""
+
+
+def _against_by_heldout_rows(evidence: NameEvidence) -> str:
+    """Return what the held-out rows say against a name; empty if nothing."""
+    if evidence.heldout_rise_that_counts < -CLEAR:
+        return "the held-out rows are predicted better without it"
+    if evidence.gains_nothing:
+        return "the error of the held-out rows is smaller without it, over its whole 95 % interval"
+    if evidence.is_far_below_a_row and evidence.gain_at_least is not None and evidence.gain_at_least <= 0.0:
+        return "it is far shorter than the time between two rows, and no gain on the held-out rows is certain"
     return ""
 
 

@@ -33,6 +33,8 @@ so that any size counts there that the readings show."""
 NEGLIGIBLE_TIME = 0.01
 """The same for a delay or a lag, relative to the time between two rows, which is less in a fast log: a row is divided
 where a delayed voltage takes effect, and a lag acts within the row."""
+FAR_BELOW_A_ROW = 0.05
+"""Size of a delay or a lag relative to the time between two rows, below which rows at these times hardly show it."""
 MIN_ROWS = 6.0
 """Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
@@ -148,6 +150,17 @@ def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
         if c.null is not None
     ]
     return all(size < negligible for size, negligible in sizes)
+
+
+def is_far_below_a_row(fit: HypothesisFit, effect: CandidateEffect) -> bool:
+    """Return whether an effect is a delay or a lag that is far shorter than the time between two rows."""
+    x = fit.x[fit.hypothesis.parameters(effect)].tolist()
+    times_s = [
+        abs(at - c.null) * c.unit
+        for at, c in zip(x, effect.coordinates, strict=True)
+        if c.is_time and c.null is not None
+    ]
+    return bool(times_s) and max(times_s) < FAR_BELOW_A_ROW * _row_s(fit.evidence)
 
 
 def _negligible(evidence: Evidence, coordinate: Coordinate) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.naming.named_model import NamedModel, _gain_at_most, _name_evidence
+from diagnosis.inference.naming.named_model import NamedModel, _gain, _name_evidence
 from diagnosis.inference.naming.verdict import withheld
 from diagnosis.inference.selection.refusal import CLEAR
 from diagnosis.inference.selection.rivals import RivalComparison
@@ -26,18 +26,18 @@ def test_an_effect_that_held_out_rows_contradict_gains_less_than_nothing(
     gain = effect("current_sensor_gain")
     extended = hypothesis.with_effect(gain)
     base, fit = fits(evidence, [(each, each.null()) for each in (hypothesis, extended)])
-    assert (_gain_at_most(evidence, base, fit, gain) > 0.0) is is_confirmed
+    assert (_gain(evidence, base, fit, gain).high > 0.0) is is_confirmed
 
 
 def test_held_out_rows_cannot_show_what_is_not_held_out_or_predicts_nothing(evidence_of, hypothesis, effect):
     gain = effect("current_sensor_gain")
     extended = hypothesis.with_effect(gain)
     (fit,) = fits(evidence_of(X, X), [(extended, extended.null())])
-    assert _gain_at_most(fit.evidence, fit, fit, gain) is None
+    assert _gain(fit.evidence, fit, fit, gain) is None
     (fit,) = fits(evidence_of(X, X, heldout=30), [(extended, extended.null())])
-    assert _gain_at_most(fit.evidence, fit, fit, gain) is not None
+    assert _gain(fit.evidence, fit, fit, gain) is not None
     of_noise = replace(fit, slopes=np.zeros_like(fit.slopes))
-    assert _gain_at_most(fit.evidence, of_noise, of_noise, gain) is None
+    assert _gain(fit.evidence, of_noise, of_noise, gain) is None
 
 
 @pytest.mark.parametrize(("confidence", "stands"), [(0.0, False), (0.5, True)])

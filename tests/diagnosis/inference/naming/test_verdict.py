@@ -36,6 +36,8 @@ evidences = st.builds(
     ahead=numbers | st.just(-np.inf),
     confidence=st.floats(0.0, 1.0),
     gain_at_most=st.none() | st.floats(-1.0, 1.0),
+    gain_at_least=st.none() | st.floats(-1.0, 1.0),
+    is_far_below_a_row=st.booleans(),
 )
 names = st.lists(st.sampled_from(["supply_sag", "range_offset"]), max_size=2, unique=True)
 withheld_names = st.lists(st.just(WithheldName("speed_scale", "reason")), max_size=1)
@@ -73,7 +75,11 @@ def test_a_withheld_name_has_a_reason_that_is_true(evidence):
     elif "explains the data better" in reason:
         assert evidence.closest_rival is not None
         assert evidence.closest_rival[1] < 0.0
-    if "interval" in reason:
+    if "two rows" in reason:
+        assert evidence.is_far_below_a_row
+        assert evidence.gain_at_least is not None
+        assert evidence.gain_at_least <= 0.0
+    elif "interval" in reason:
         assert evidence.gain_at_most is not None
         assert evidence.gain_at_most < 0.0
     elif "held-out" in reason:
@@ -152,3 +158,18 @@ def test_changes_cancel_that_are_nearly_opposite_and_equally_large(factor, cance
 def test_changes_of_different_shape_do_not_cancel():
     x = np.linspace(0.0, 1.0, 50)
     assert not cancel(np.ones(50), -2.0 * x)
+
+
+@pytest.mark.parametrize(
+    ("is_far_below_a_row", "gain_at_least", "stands"),
+    [(True, 0.01, True), (True, -0.01, False), (True, None, True), (False, -0.01, True)],
+)
+def test_a_lag_far_below_a_row_stands_only_if_held_out_rows_gain_by_it(is_far_below_a_row, gain_at_least, stands):
+    evidence = NameEvidence(
+        "actuator_lag",
+        *(60.0, 15.0, 0.0, 5.0, False, "", "", None, -9.0, 0.97),
+        gain_at_most=0.1,
+        gain_at_least=gain_at_least,
+        is_far_below_a_row=is_far_below_a_row,
+    )
+    assert (not withheld(evidence)) is stands

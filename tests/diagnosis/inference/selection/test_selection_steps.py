@@ -9,7 +9,14 @@ import pytest
 
 from diagnosis.inference.fitting.fit import at, fits
 from diagnosis.inference.selection import stepwise as module
-from diagnosis.inference.selection.refusal import CLEAR, heldout_falls, is_negligible, needed, refusal
+from diagnosis.inference.selection.refusal import (
+    CLEAR,
+    heldout_falls,
+    is_far_below_a_row,
+    is_negligible,
+    needed,
+    refusal,
+)
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.scan import Prospect
 from diagnosis.inference.selection.stepwise import (
@@ -94,6 +101,24 @@ def test_a_delay_or_lag_counts_from_a_hundredth_of_a_row_on(step_log, effect, na
     x = late.null()
     x[late.parameters(effect(name))] = delay_s / effect(name).coordinates[0].unit
     assert is_negligible(at(evidence, late, x), effect(name)) is expected
+
+
+@pytest.mark.parametrize(
+    ("name", "delay_s", "expected"),
+    [
+        ("actuator_lag", 2.4e-4, True),
+        ("input_delay", 2.4e-4, True),
+        ("input_delay", 2.6e-4, False),
+        ("current_sensor_gain", 1e-4, False),
+    ],
+)
+def test_times_below_a_twentieth_of_a_row_are_far_below_it(step_log, effect, name, delay_s, expected):
+    """A row of a step log lasts 5 ms."""
+    evidence, nominal = step_log(1)
+    late = nominal.hypothesis.with_effect(effect(name))
+    x = late.null()
+    x[late.parameters(effect(name))] += delay_s / effect(name).coordinates[0].unit
+    assert is_far_below_a_row(at(evidence, late, x), effect(name)) is expected
 
 
 def test_any_size_counts_in_rows_that_are_states(evidence_of, fitted, effect):
