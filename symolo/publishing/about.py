@@ -25,6 +25,10 @@ _ALLOWED = {
 }
 """Allowed values of fields in words, for fields whose pattern alone would not explain them."""
 
+_ARCHIVES = ("Zenodo", "Hugging Face", "figshare", "Dryad", "Dataverse", "Mendeley Data", "OSF")
+"""Names of archives as they write them."""
+FAR_DAYS = 366
+"""Days until a publication, from which on its date is probably wrong."""
 _IN_SCENARIO = "the licence is that of the scenario: write it there, and release again"
 
 Line = Annotated[str, Field(pattern=r"^\S(?:[^\n\r]*\S)?$", max_length=500)]
@@ -94,6 +98,14 @@ class About(_Section):
     @property
     def year(self) -> int:
         return int(self.published[:4])
+
+    def doubts(self, today: date) -> Iterator[str]:
+        """Yield what is allowed, but probably meant otherwise."""
+        if (date.fromisoformat(self.published) - today).days > FAR_DAYS:
+            yield f"published: {self.published} is more than a year ahead"
+        usual = next((name for name in _ARCHIVES if name.lower() == self.publisher.lower()), self.publisher)
+        if usual != self.publisher:
+            yield f"publisher: {self.publisher} writes its name {usual}, as citations should"
 
     @property
     def address(self) -> str:

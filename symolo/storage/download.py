@@ -23,6 +23,7 @@ from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.storage.base import Store
+from symolo.storage.folder import Folder
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
 
@@ -164,9 +165,12 @@ class _Fetch:
         data = self.store.get(name)
         if data is None or hashlib.sha256(data).hexdigest() != self.expected[name]:
             what = "is missing" if data is None else f"does not match {MANIFEST}"
+            # An upload reads the files of a folder, but believes the checksums that an object store states.
+            believed = data is not None and not isinstance(self.store, Folder)
+            first = "remove it with the tools of the store, and " if believed else ""
             cure = (
-                "remove it with the tools of the store, and upload the release again: only what is missing is sent; "
-                f"what was fetched stays in {self.folder} until the same command is repeated"
+                f"{first}upload the release again, which sends only what is missing or different; what was fetched"
+                f" stays in {self.folder} until the same command is repeated"
             )
             raise InputError(what, where=f"{self.store.url}: {name}", cure=cure)
         write_file(self.folder / name, data)

@@ -1,5 +1,7 @@
 """Messages about the file with the facts about a publication."""
 
+from datetime import date
+
 import pytest
 
 from symolo.core.errors import InputError
@@ -42,3 +44,18 @@ def test_authors_that_are_no_list_are_named_with_an_example(tmp_path):
         InputError, match=r"authors: got 'Eight Newcomer', allowed: a list; write \[\{family: Eight Newco"
     ):
         read_about(path)
+
+
+@pytest.mark.parametrize(
+    ("published", "publisher", "doubts"),
+    [
+        ("2026-11-22", "Zenodo", []),
+        ("2027-11-28", "University of Somewhere", []),
+        ("2031-11-28", "Zenodo", ["published: 2031-11-28 is more than a year ahead"]),
+        ("2026-11-22", "zenodo", ["publisher: zenodo writes its name Zenodo, as citations should"]),
+    ],
+)
+def test_a_far_date_and_a_name_of_an_archive_in_other_letters_are_doubted(published, publisher, doubts, tmp_path):
+    path = tmp_path / "about.yaml"
+    path.write_text(ABOUT.replace("2026-11-22", published).replace("Zenodo", publisher))
+    assert [*read_about(path).doubts(date(2026, 11, 28))] == doubts

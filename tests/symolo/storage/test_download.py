@@ -103,8 +103,12 @@ def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
     picture.write_bytes(b"\xff" + picture.read_bytes()[1:])
     ended = symolo("download", url, "--out", out)
     assert ended.code == 2
-    assert f"{url}: CW/test_1/images/000001.jpg: does not match manifest-sha256.txt" in ended.err
+    assert (
+        f"{url}: CW/test_1/images/000001.jpg: does not match manifest-sha256.txt; upload the release again" in ended.err
+    )
     assert not out.exists()
+    assert symolo("upload", tmp_path / "data", url).code == 0
+    assert symolo("download", url, "--out", out).code == 0
 
 
 @pytest.mark.parametrize(
