@@ -158,8 +158,8 @@ def _strength_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
     path: FieldPath = ("robot", "motor", "torque_constant_N_m_A")
     problem = "the motors are too strong for a body of this mass and for steps of this length"
     allowed = (
-        f"a time constant of the pitching body, its inertia over 2 (K^2 / R + B), of more than a physics step of "
-        f"{1000.0 * step_s:.3g} ms; it is {1000.0 * settles_s:.3g} ms"
+        f"values with which the motors need more than a physics step of {1000.0 * step_s:.3g} ms to stop the pitching "
+        f"of the body; they need {1000.0 * settles_s:.3g} ms, its inertia over 2 (K^2 / R + B)"
     )
     hz = rates.physics_hz * (math.floor(step_s / settles_s) + 1)
     cure = "check the motor's parameters, which are those at the wheel shaft"

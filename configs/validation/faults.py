@@ -34,7 +34,7 @@ class ConfigFault:
         there = root.place_of(self.against)
         if not changed and there.startswith(SETTING) and not here.startswith(SETTING):
             return there, f" ({dotted(self.path)} is at {here})"
-        return changed or here, f" (given at {there})"
+        return changed or here, f" ({dotted(self.against)} is at {there})"
 
     def error(self, root: Node, note: str = "") -> InputError:
         """Return the fault as an error of one line.

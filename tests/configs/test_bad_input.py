@@ -189,7 +189,7 @@ CASES = {
     "ranges reversed": robot(
         "tof:\n    min_range_m: 0.9 #!\n    max_range_m: 0.5",
         "robot.tof.min_range_m",
-        "less than max_range_m, which is 0.5 (given at bad.yaml:12)",
+        "less than max_range_m, which is 0.5 (robot.tof.max_range_m is at bad.yaml:12)",
     ),
     "ranges that may be drawn reversed": robot(
         "tof:\n    max_range_m: {uniform: [0.5, 0.9]}\n    min_range_m: {uniform: [0.1, 0.6]} #!",
@@ -215,7 +215,7 @@ CASES = {
     "motors too strong for the step": robot(
         "motor:\n    winding_resistance_ohm: 2\n    viscous_friction_N_m_s_rad: 0.003\n    torque_constant_N_m_A: 2 #!",
         "robot.motor.torque_constant_N_m_A",
-        "of more than a physics step of 1 ms; it is 0.634 ms",
+        "more than a physics step of 1 ms to stop the pitching of the body; they need 0.634 ms",
     ),
     "corner never clear": robot(
         "controller: {corner: {front_below_m: 1.5}} #!", "robot.controller.corner.front_below_m", "front_clear_m"
