@@ -83,6 +83,9 @@ def _unit_of_values(t_s: Array, heading: Array) -> tuple[str, str]:
             return "degrees", f"since the values begin at {heading[0]:.4g}"
         if (rate := _usual_rate(t_s, steps)) > FASTEST_TURN_RAD_S:
             return "degrees", f"since the robot would turn at {rate:.3g} rad/s in radians"
+        if np.all(heading == np.rint(heading)):
+            return "degrees", f"since the values are whole numbers up to {largest:.3g}"
+        return "", f"since the values are up to {largest:.3g} (which may be degrees, too: nothing shows the unit)"
     return "", f"since the values are up to {largest:.3g}"
 
 

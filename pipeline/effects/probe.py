@@ -1,6 +1,9 @@
 """Short experiments that between them excite every slot: a drive in PyBullet, one in the twin, and three benches."""
 
-from collections.abc import Mapping
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from typing import TypeVar
 
@@ -56,6 +59,20 @@ def equal(some: Readings, others: Readings) -> bool:
     return some.keys() == others.keys() and all(some[name].tobytes() == others[name].tobytes() for name in some)
 
 
+@contextmanager
+def without_messages_of_engines() -> Iterator[None]:
+    """Leave out what an engine writes to file descriptor 2 while it is loaded, such as the time of its build."""
+    sys.stderr.flush()
+    before, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(before, 2)
+        os.close(before)
+        os.close(nowhere)
+
+
 class Probe:
     """The experiments, each as a function of a robot."""
 
@@ -84,7 +101,8 @@ class Probe:
 
     def in_engine(self, robot: RobotConfig) -> Readings:
         """Return the readings of a drive in PyBullet."""
-        from physics.bullet.simulation import BulletSimulation  # noqa: PLC0415 - loads PyBullet
+        with without_messages_of_engines():
+            from physics.bullet.simulation import BulletSimulation  # noqa: PLC0415 - loads PyBullet
 
         with BulletSimulation(robot, self.arena, (0.0, 0.0, 0.0), Rates()) as world:
             world.set_voltages(*BEFORE_V)

@@ -1,6 +1,8 @@
 """`symolo effect check` finds what is wrong with an effect in a file, and `symolo effect new` writes a good one."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -244,3 +246,10 @@ def test_list_and_show_say_what_the_classes_say(capsys):
     assert "source_resistance_ohm: 0 ... 20 ohm, null 0, start 0.5" in capsys.readouterr().out
     assert main(["effect", "show", "suply_sag"]) == 2
     assert "did you mean supply_sag" in capsys.readouterr().err
+
+
+def test_the_check_prints_nothing_of_the_engine_that_it_loads():
+    program = f"import sys; from pipeline.cli import main; sys.exit(main(['effect', 'check', {str(EXAMPLE)!r}]))"
+    ended = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert "keeps every rule" in ended.stdout
+    assert not ended.stderr

@@ -44,6 +44,8 @@ def test_missing_poses_do_not_matter(unit):
         (np.degrees(2.0 * T_S), "degrees", "would turn at 115 rad/s in radians"),
         (np.degrees(0.2 * T_S) + 60.0, "degrees", "begin at 60"),
         (np.degrees(2.0 * T_S + math.pi) % 360.0 - 180.0, "degrees", "jump by 354"),
+        (np.rint(np.linspace(1.0, 10.0, len(T_S))), "degrees", "whole numbers up to 10"),
+        (np.linspace(1.0, 60.01, len(T_S)), "", "may be degrees, too"),
         (0.0 * T_S + 0.5, "", "up to 0.5"),
         (np.full(len(T_S), np.nan), "", ""),
     ],
