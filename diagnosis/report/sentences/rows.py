@@ -51,18 +51,41 @@ def too_large(named: NamedEffect) -> list[str]:
 
 
 def of_the_log(named: NamedEffect, measurement: Measurement) -> list[str]:
-    """Return why a delay of the voltage may be the order of the columns of a step log; empty if it is not."""
-    if measurement.kind is not CaseKind.MOTOR_STEP or named.name != "input_delay":
+    """Return how the rows of a step log may mislead about a delay or a lag; empty for other effects."""
+    if measurement.kind is not CaseKind.MOTOR_STEP:
         return []
     row_s = float(np.median(np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])))
-    if abs(named.values["delay_s"] - row_s) > ONE_ROW * row_s:
-        return []
-    text = (
-        f"the delay is one row of the log, {1e3 * row_s:.3g} ms, as if the voltage of each row were held until the "
-        "next row; if the log states it so, the robot has no delay: give u_cmd_V held: after_row in the mapping of "
-        "`symolo case init`"
+    return [*_of_the_order(named, row_s), *_between_rows(named, measurement, row_s)]
+
+
+def _of_the_order(named: NamedEffect, row_s: float) -> Iterator[str]:
+    """Yield why a delay of the voltage may be the order of the columns."""
+    if named.name == "input_delay" and abs(named.values["delay_s"] - row_s) <= ONE_ROW * row_s:
+        yield (
+            f"the delay is one row of the log, {1e3 * row_s:.3g} ms, as if the voltage of each row were held until the "
+            "next row; if the log states it so, the robot has no delay: give u_cmd_V held: after_row in the mapping of "
+            "`symolo case init`"
+        )
+
+
+def _between_rows(named: NamedEffect, measurement: Measurement, row_s: float) -> Iterator[str]:
+    """Yield the error of a time if the voltage changes at any time between two rows, where it is the larger one.
+
+    The time of each change is then uniform over a row, which has a standard deviation of a row over the root of 12.
+    """
+    changes = sum(
+        int(np.count_nonzero((np.diff(trial["u_cmd_V"].values) != 0.0) & ~trial.holdout[1:]))
+        for trial in measurement.trials
     )
-    return [text]
+    times = [each.name for each in named.effect.coordinates if each.is_time and each.null is not None]
+    error_s = row_s / np.sqrt(12.0 * max(changes, 1))
+    for name in times:
+        if changes and named.std[name] < error_s:
+            yield (
+                f"the standard error of {name} counts the noise of the readings alone; if the voltage changes at any "
+                f"time between two rows of {1e3 * row_s:.3g} ms, and not with the rows, its {changes} changes leave an "
+                f"error of about {1e3 * error_s:.2g} ms, and {name} is off by up to a row"
+            )
 
 
 def _stuck(rows: Sequence[StuckRow], diagnosis: Diagnosis) -> str:
