@@ -25,8 +25,9 @@ from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.measured.case_files.case_format import RANGES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import ROW_TIME
-from diagnosis.predictors.pose.by_counts import COMPONENTS, Pose, PoseNoise, seen_from_body
+from diagnosis.predictors.pose.by_counts import COMPONENTS, Pose, seen_from_body
 from diagnosis.predictors.pose.dead_reckoning import path_sd
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.unseen import Columns, UnseenInputs, unseen_inputs
 from symolo.core.arrays import Array
 

@@ -21,6 +21,7 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.drivetrain.wheel_slip import WheelSlip
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.body_motion import BodyMotion
+from physics.robot.floor_place import FloorPlace
 from physics.robot.model import RobotModel, applied
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array, stacked_rows
@@ -71,6 +72,9 @@ class KinematicTwin:
         self._radius_m = np.array([model.geometry.right_radius_m, model.geometry.left_radius_m])
         self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
+        self._travel = model.functions(Slot.TRAVEL)
+        self._turning = model.functions(Slot.TURNING)
+        self._needs_place = bool(self._driveline.needs_place or self._travel or self._turning)
         self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
 
     def drive(self, voltages_V: Array, starts: Array) -> TwinRun:
@@ -93,15 +97,18 @@ class KinematicTwin:
         heat = self._heat(voltage[1:])
         time_s = np.arange(-1, steps)[:, None, None] * self._step_s
         supply = np.broadcast_to(self._driveline.supply_V(time_s), time_s.shape)
-        if self._driveline.is_bare and lanes <= MAX_SCALAR_TRIALS:
+        place = np.zeros((steps + 1, lanes, 2))
+        if self._driveline.is_bare and lanes <= MAX_SCALAR_TRIALS and not self._needs_place:
             for lane in range(lanes):
                 speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
         else:
-            speed[1:], turned[1:] = self._turned_together(voltage[1:], supply[1:], voltage_trend(commands), heat)
+            speed[1:], turned[1:], place[1:] = self._turned_together(
+                starts, voltage[1:], supply[1:], voltage_trend(commands), heat
+            )
         counted = np.cumsum(applied(self._counting, turned, self._step_s), axis=0)
         return TwinRun(
             t_s=np.arange(steps + 1) * self._step_s,
-            pose=self._path(starts, turned),
+            pose=self._path(starts, turned, place),
             wheel_speed_rad_s=speed,
             current_A=self._driveline.current_A(voltage, speed, supply, self._driveline.winding(time_s, heat)),
             counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
@@ -127,19 +134,24 @@ class KinematicTwin:
             heats.append(self._driveline.heat_after(heats[-1], volts, self._step_s))
         return stacked_rows(heats) if len(heats) > 1 else np.zeros((1, 1, 1))
 
-    def _turned_together(self, voltage_V: Array, supply_V: Array, trend: Array, heat: Array) -> tuple[Array, Array]:
-        """Return speeds after each step and angles turned in it, (T, N, 2) each, at the supply's voltages (T, 1, 1).
+    def _turned_together(
+        self, starts: Array, voltage_V: Array, supply_V: Array, trend: Array, heat: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return speeds after each step, angles turned in it, and places before it, (T, N, 2) each, at the supply's
+        voltages (T, 1, 1). The places are those at the starts, if nothing depends on them.
 
         The coupling between the wheels uses the acceleration of the previous step.
         """
         driveline, body = self._driveline, self._body
-        speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
+        speeds, turned, places = (np.zeros_like(voltage_V) for _ in range(3))
         speed = acceleration = angle = np.zeros(voltage_V.shape[1:])
+        pose = starts
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
             time_s = k * self._step_s
             winding = driveline.winding(time_s, heat[k] if driveline.heats else 0.0)
             torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed, supply_V[k], winding)
-            friction = driveline.friction_N_m(torque, speed, time_s, trend[k])
+            places[k] = pose[:, :2]
+            friction = driveline.friction_N_m(torque, speed, time_s, trend[k], (pose[:, :1], pose[:, 1:2]))
             # The body couples the wheels: the acceleration of each one loads the other.
             torque = torque - acceleration @ self._coupling
             load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
@@ -149,8 +161,10 @@ class KinematicTwin:
             held = HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia)
             speeds[k], turned[k] = held.step(speed, self._step_s)
             acceleration = (speeds[k] - speed) / self._step_s
+            if self._needs_place:
+                pose = self._moved(pose, turned[k], angle, time_s)
             speed, angle = speeds[k], angle + turned[k]
-        return speeds, turned
+        return speeds, turned, places
 
     def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:
         """Return speeds and angles as `_turned_together`, for one trial of motors whose torque no effect changes."""
@@ -172,17 +186,56 @@ class KinematicTwin:
         both = np.array(rows).reshape(-1, 2, 2)
         return both[..., 0], both[..., 1]
 
-    def _path(self, starts: Array, turned_rad: Array) -> Array:
-        """Return poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
+    def _moved(self, pose: Array, turned_rad: Array, angle_rad: Array, time_s: float) -> Array:
+        """Return the poses (N, 3) after one step, without random slip: the places on which the next step depends."""
+        place = FloorPlace(pose[:, :1], pose[:, 1:2], time_s)
+        turned_rad = self._over_floor(turned_rad, angle_rad + 0.5 * turned_rad, place)
+        forward_m, turn_rad = self._arcs(turned_rad, place)
+        middle_rad = pose[:, 2] + 0.5 * turn_rad
+        moved_m = forward_m[:, None] * np.stack([np.cos(middle_rad), np.sin(middle_rad)], axis=-1)
+        if self._creep:
+            size_m = np.abs(turned_rad) @ self._body.to_twist[0]
+            moved_m = moved_m + applied(self._creep, np.zeros(moved_m.shape), size_m[..., None])
+        return pose + np.concatenate([moved_m, turn_rad[:, None]], axis=-1)
+
+    def _over_floor(self, turned_rad: Array, angle_rad: Array, place: FloorPlace) -> Array:
+        """Return the turns (..., 2) of round wheels that travel as far over the floor as those of the robot.
+
+        Args:
+            turned_rad: Turns of the wheels.
+            angle_rad: Angles in the middle of the turns.
+            place: Where they begin.
+        """
         if self._rolling:
-            angle_rad = np.cumsum(turned_rad, axis=0) - 0.5 * turned_rad
             turned_rad = turned_rad * applied(self._rolling, np.ones_like(turned_rad), angle_rad, turned_rad)
-        if self._slip:
-            turned_rad = turned_rad * np.array([self._slip.travelled(step) for step in self._radius_m * turned_rad])
+        if self._travel:
+            turned_rad = turned_rad * applied(self._travel, np.ones_like(turned_rad), place)
+        return turned_rad
+
+    def _arcs(self, turned_rad: Array, place: FloorPlace) -> tuple[Array, Array]:
+        """Return distances forward [m] and turns [rad] of the body, (...), by the travels of round wheels (..., 2)."""
         travel = turned_rad @ self._body.to_twist.T
         forward_m, turn_rad = travel[..., 0], travel[..., 1]
         ones = np.ones_like(turn_rad)
         turn_rad = turn_rad * applied(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
+        if self._turning:
+            turn_rad = turn_rad * applied(self._turning, ones[..., None], place)[..., 0]
+        return forward_m, turn_rad
+
+    def _path(self, starts: Array, turned_rad: Array, place_m: Array) -> Array:
+        """Return poses along the arcs of the wheels' travel, with the share of each turn that slip leaves.
+
+        Args:
+            starts: (N, 3), poses at the start.
+            turned_rad: (T + 1, N, 2), turns of the wheels.
+            place_m: (T + 1, N, 2), places where they begin.
+        """
+        time_s = np.arange(-1, len(turned_rad) - 1)[:, None, None] * self._step_s
+        place = FloorPlace(place_m[..., :1], place_m[..., 1:], time_s)
+        turned_rad = self._over_floor(turned_rad, np.cumsum(turned_rad, axis=0) - 0.5 * turned_rad, place)
+        if self._slip:
+            turned_rad = turned_rad * np.array([self._slip.travelled(step) for step in self._radius_m * turned_rad])
+        forward_m, turn_rad = self._arcs(turned_rad, place)
         yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
         # The chord of an arc: sinc needs no division by the turn, which is 0 on a straight.
         chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))

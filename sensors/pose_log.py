@@ -13,6 +13,8 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.tables.column import Series
 
+HEADING = np.array([0.0, 0.0, 1.0])
+
 
 @dataclass(frozen=True, kw_only=True)
 class _DelayedSampling(Sampling):
@@ -39,13 +41,16 @@ class PoseLog(Sensor):
     def __init__(self, effects: RobotEffects, physics_hz: int) -> None:
         self.sampling = _DelayedSampling.of(effects, physics_hz)
         self._point = effects.functions(Slot.POSE_POINT)
+        self._heading = effects.functions(Slot.POSE_HEADING)
 
     @classmethod
     def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "PoseLog | None":
         """Return the log if an effect of the robot acts on it; without one, the log would be the true pose."""
         del arena, rng
-        acts = robot.effects.in_slots({Slot.POSE_POINT, Slot.POSE_DELAY})
+        acts = robot.effects.in_slots({Slot.POSE_POINT, Slot.POSE_HEADING, Slot.POSE_DELAY})
         return cls(robot.effects, physics_hz) if acts else None
 
     def sample(self, world: World) -> Array:
-        return applied(self._point, np.array(world.pose()))
+        pose = applied(self._point, np.array(world.pose()))
+        error_rad = applied(self._heading, np.zeros(()), np.array(world.pose()[2]), world.time_s)
+        return pose + error_rad * HEADING if self._heading else pose

@@ -63,6 +63,8 @@ class Slot(TextEnum):
     ROLLING = "rolling"
     """travel of both wheels as a share of radius * turn (..., 2), wheel angles in the middle of the turn [rad], turns
     [rad] -> share."""
+    TRAVEL = "travel"
+    """travel of both wheels over the floor as a share of that by their rolling (..., 2), `FloorPlace` -> share."""
     SLIP = "slip"
     """random share of the travels of both wheels (2,), travel [m] since the wheels had it (2,), standard normal
     deviates (2,) -> share."""
@@ -71,6 +73,8 @@ class Slot(TextEnum):
     movement."""
     GROUND = "ground"
     """remaining share of the yaw rate, speed [m/s], yaw rate [rad/s], both computed from the wheels -> share."""
+    TURNING = "turning"
+    """yaw rate as a share of that by the travels of the wheels and the track (..., 1), `FloorPlace` -> share."""
     ENCODER = "encoder"
     """counts per revolution -> counts per revolution."""
     COUNTING = "counting"
@@ -97,6 +101,8 @@ class Slot(TextEnum):
     """delay [s] -> delay [s]."""
     POSE_POINT = "pose point"
     """pose x [m], y [m], yaw [rad] (..., 3) -> pose."""
+    POSE_HEADING = "pose heading"
+    """error of the logged yaw [rad], yaw of the robot in W [rad], time since the start of the session [s] -> error."""
     POSE_DELAY = "pose delay"
     """delay [s], time since the start of the drive [s] -> delay [s]."""
     RANGE_MOUNT = "range mount"

@@ -17,7 +17,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.discovery.form import LawForm
 from diagnosis.discovery.grammar import CURVE, can_have_law, forms, smooth
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
-from diagnosis.discovery.place import LawPlace
+from diagnosis.discovery.place import LawPlace, values_of
 from diagnosis.discovery.places import places
 from diagnosis.discovery.search import FittedLaw, fitted, null_start, scan_forms
 from diagnosis.inference.evidence.evidence import Evidence
@@ -180,7 +180,7 @@ def _ranges(diagnosis: Diagnosis, fit: HypothesisFit, form: LawForm) -> Iterator
     readings = predicted_readings(evidence, fit)
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
         # The time of a session is no condition, but the law may depend on it.
-        covariates = {each.name: each.values for each in observed.covariates} | dict(conditions(observed, readings))
+        covariates = values_of(observed) | dict(conditions(observed, readings))
         for name, values in covariates.items():
             data.setdefault(name, []).append(values[usable[place] & np.isfinite(values)])
     for name in form.covariates:

@@ -100,8 +100,8 @@ class LawForm:
     def name(self) -> str:
         """Name of the effect."""
         along = "_and_".join(self.place.covariates[name].word for name in self.covariates)
-        of_material = "_of_material" if self.material else ""
-        return f"{self.place.prefix}_{self.shape}_over_{along}{of_material}{self.ending}"
+        over, of_material = f"_over_{along}" if along else "", "_of_material" if self.material else ""
+        return f"{self.place.name}_{self.shape}{over}{of_material}{self.ending}"
 
     @property
     def label(self) -> str:
@@ -180,6 +180,8 @@ class LawForm:
             shorthand = shorthand.replace(key, covariate.expression)
         if self.material:
             expression = f"self.share(view) * {expression}"
+        if place.share:
+            expression = f"{place.share} * ({expression})"
         result = expression if self.is_result else f"{place.first} + {expression}"
         if place.is_factor:
             result = f"{place.first} * np.maximum(1.0 + {expression}, {MIN_FACTOR})"
@@ -193,9 +195,10 @@ class LawForm:
         excitation = ", ".join(
             f"{covariate.words} from {covariate.low:.3g} to {covariate.high:.3g}" for covariate in along
         )
+        excitation = excitation or f"rows in which {place.noun} is read, and others"
         effect = "Effect, " if not self.material else ""
         numeric = ["import numpy as np"] if "np." in "".join((result, shorthand, *self.constants)) else []
-        numeric += ["from scipy.interpolate import CubicSpline"] if self.constants else []
+        numeric += ["from scipy.interpolate import CubicSpline"] if "CubicSpline(" in "".join(self.constants) else []
         lines = [
             f'"""{self.words[0].upper()}{self.words[1:]}.',
             *(["", *notes] if notes else []),

@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from configs.effects.base import Slot
+from diagnosis.discovery.floor import of_floor
 from diagnosis.discovery.form import MANY, LawForm, LawNumber, sized, unit_per, with_unit
 from diagnosis.discovery.past import of_past
 from diagnosis.discovery.place import LawPlace, SlotCovariate
@@ -32,6 +33,8 @@ TRIED_CYCLES = 96
 QUICK, QUICK_CYCLES = frozenset({Slot.CURRENT_ERROR, Slot.SPEED_ERROR}), 300.0
 """Slots in which a hum is looked for, and its largest number of waves: no motion changes, so that many are tried."""
 PHASES = (0.0, np.pi / 3.0, 2.0 * np.pi / 3.0)
+WAVES = (("wave", "once", 1.0), ("double_wave", "twice", 2.0), ("triple_wave", "three times", 3.0))
+"""Shapes of waves over an angle, how often they repeat in a turn in words, and as a number."""
 COARSE = (0.003, 0.1)
 """Smallest and largest coarse step of a range [m] that is tried."""
 COARSE_STEPS = 300
@@ -59,7 +62,12 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
         materials: Names of the materials of a range bench, each of which may have an error of its own.
     """
     several = [each for each in place.covariates.values() if can_have_law(each)]
+    x, y = place.covariates.get("x_m"), place.covariates.get("y_m")
+    if x is not None and y is not None:
+        yield from of_floor(place, x, y)
     yield from of_past(place)
+    if place.may_be_constant:
+        yield _offset(place)
     for covariate in place.covariates.values():
         if covariate.is_angle:
             yield from _turning(place, covariate)
@@ -75,7 +83,7 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
 
 def can_have_law(c: SlotCovariate) -> bool:
     """Return whether a covariate has enough different values, none of them negative, for a law along it."""
-    return not (c.is_past or c.is_angle) and c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
+    return not (c.is_past or c.is_angle or c.is_place) and c.low >= 0.0 and len(np.unique(c.values)) >= MIN_DISTINCT
 
 
 def smooth(place: LawPlace, c: SlotCovariate) -> LawForm | None:
@@ -125,6 +133,13 @@ def _along(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
         yield _wave(place, c)
 
 
+def _offset(place: LawPlace) -> LawForm:
+    """Return a change that depends on nothing."""
+    number = sized(place, "offset", "Change")
+    words = f"a constant error of {place.noun}"
+    return LawForm(place, "offset", (), words, f"self.{number.name}", (number,), ((number.start,),))
+
+
 def _jumps_and_drifts(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield the forms of what jumps, drifts or settles."""
     yield from (form for form in _edged(place, c) if form.shape in JUMP_OR_DRIFT)
@@ -140,7 +155,7 @@ def _of_range(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequ
     if incidence is not None:
         for material in ("", *(materials if len(materials) > 1 else ())):
             yield _oblique(place, incidence, material)
-    if distance is not None:
+    if distance is not None and not place.member:
         yield from _of_reading(place, distance)
 
 
@@ -219,13 +234,14 @@ def _turning(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield factors that repeat once or twice a turn."""
     swing = sized(place, "swing", "Amplitude")
     phase = LawNumber("phase_rad", "rad", f"Phase at {c.words} = 0", 1.0, -6.3, 6.3, is_angle=True)
-    for shape, often, cycles in (("wave", "once", 1.0), ("double_wave", "twice", 2.0)):
+    for shape, often, cycles in WAVES[: place.cycles]:
         yield LawForm(
             place,
             shape,
             (c.name,),
             f"a change of {place.noun} that repeats {often} a turn, over the {c.words}",
-            f"self.{swing.name} * np.sin({cycles} * {{{c.name}}} + self.phase_rad)",
+            f"self.{swing.name} * np.sin({cycles} * {{{c.name}}} + self.phase_rad)"
+            + place.mean_over_turn.format(cycles=cycles),
             (swing, phase),
             tuple((place.size, turn) for turn in PHASES),
         )

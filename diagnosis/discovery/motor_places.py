@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 from configs.effects.base import Slot
 from configs.schema.robot import Motor
-from diagnosis.discovery.place import LawPlace, QuantityRead, SlotCovariate, varying
+from diagnosis.discovery.place import MAX_FACTOR, TIMES, LawPlace, QuantityRead, SlotCovariate, varying
 from diagnosis.inference.evidence.evidence import Evidence
 
+_AT_WHEEL = "from physics.robot.floor_place import at_wheel"
 _MOTION = "from physics.drivetrain.motion import ShaftMotion"
 _BENCH, _BENCH_AND_DRIVE = ("Setup.MOTOR_BENCH",), ("Setup.MOTOR_BENCH", "Setup.DRIVE")
 WHEELS = ("wheel_left_rad_s", "wheel_right_rad_s")
-MAX_FACTOR = 0.5
-"""Largest change of a factor at which a fit starts."""
+SIDES = {"left": WHEELS[0], "right": WHEELS[1]}
 
 
 def of_motor(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[LawPlace]:
@@ -50,9 +50,15 @@ def of_wheels(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
     read = QuantityRead(evidence, *sides, drives=True)
     # A settled speed falls by R/K^2 for each torque.
     torque_N_m = motor.torque_constant_N_m_A**2 / motor.winding_resistance_ohm * read.visible
-    yield _friction(read, torque_N_m)
+    friction = _friction(read, torque_N_m)
+    yield friction
     yield from _voltage(read, motor, by_speed=True)
     yield from _winding(read, motor, by_speed=True)
+    for side, name in SIDES.items():
+        if name in sides:
+            noun, share = f"friction at the {side} wheel", f'at_wheel("{side}", friction_N_m)'
+            yield friction.at(side, share, noun, *TIMES, imports=(_MOTION, _AT_WHEEL))
+            yield _shaft_torque(QuantityRead(evidence, name, drives=True), side, torque_N_m)
 
 
 def _friction(read: QuantityRead, visible_N_m: float) -> LawPlace:
@@ -73,9 +79,31 @@ def _friction(read: QuantityRead, visible_N_m: float) -> LawPlace:
         arguments="friction_N_m: Array, motion: ShaftMotion",
         unit="N m",
         size=visible_N_m,
-        covariates=varying((speed, read.time("motion.time_s"), trend)),
+        covariates=varying((speed, read.time("motion.time_s"), trend, *read.place("motion"))),
         imports=(_MOTION,),
         setups=_BENCH_AND_DRIVE,
+    )
+
+
+def _shaft_torque(read: QuantityRead, side: str, visible_N_m: float) -> LawPlace:
+    """Return the torque on one wheel over its angle."""
+    middle = "(angle_rad + 0.5 * turned_rad)"
+    angle = read.covariate("wheel_angle_rad", "angle", "angle of the wheel [rad]", "rad", middle, is_angle=True)
+    return LawPlace(
+        Slot.SHAFT_TORQUE,
+        prefix="torque",
+        noun=f"the torque on the {side} wheel",
+        first="torque_N_m",
+        arguments="torque_N_m: Array, angle_rad: Array, turned_rad: Array",
+        unit="N m",
+        size=visible_N_m,
+        covariates=varying((angle,)),
+        imports=(_AT_WHEEL,),
+        setups=("Setup.DRIVE",),
+        member=side,
+        share=f'at_wheel("{side}", torque_N_m)',
+        cycles=3,
+        mean_over_turn=" * np.sinc({cycles} * turned_rad / (2.0 * np.pi))",
     )
 
 

@@ -1,15 +1,32 @@
 """The places of a kind of case where a law may act, with those of range sensors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import Motor
 from diagnosis.discovery.motor_places import of_motor, of_wheels
-from diagnosis.discovery.place import LawPlace, QuantityRead, varying
+from diagnosis.discovery.place import STEP, TIMES, LawPlace, QuantityRead, varying
+from diagnosis.discovery.pose_places import of_pose
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.measured.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind
 
 RANGE_CHANNEL = "tof_m"
+OF_ONE_SENSOR = ("distance_m", STEP, *TIMES)
+"""Covariates of a law of one range sensor."""
+FACING: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        "wall_facing_plus_x": ("+x", 0.0),
+        "wall_facing_minus_x": ("-x", np.pi),
+        "wall_facing_plus_y": ("+y", 0.5 * np.pi),
+        "wall_facing_minus_y": ("-y", -0.5 * np.pi),
+    }
+)
+"""The walls of a rectangular room: the direction of the normal in words and in rad."""
 _VIEW = "from sensors.ranging.range_view import RangeView"
 
 
@@ -33,11 +50,23 @@ def places(kind: CaseKind, evidence: Evidence, motor: Motor) -> tuple[LawPlace, 
 
 
 def _of_drive(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
-    """Yield the places of both motors, which have the same laws, and of all range sensors, likewise."""
+    """Yield the places of motors, wheels and range sensors: those of all alike, and of each alone."""
     yield from of_wheels(evidence, motor)
-    ranges = [observed.name for observed in evidence.observed if observed.channel == RANGE_CHANNEL]
-    if ranges:
-        yield _range(QuantityRead(evidence, *ranges, drives=True), ("Setup.DRIVE",))
+    yield from of_pose(evidence)
+    ranges = [o.name for o in evidence.observed if o.channel == RANGE_CHANNEL and o.usable.any()]
+    if not ranges:
+        return
+    every = _range(QuantityRead(evidence, *ranges, drives=True), ("Setup.DRIVE",))
+    # A memory of all sensors is a delay, which is a listed effect.
+    yield replace(every, covariates={name: each for name, each in every.covariates.items() if name != STEP})
+    for sensor in RANGE_SIDES:
+        if f"tof_{sensor}_m" in ranges:
+            place = _range(QuantityRead(evidence, f"tof_{sensor}_m", drives=True), ("Setup.DRIVE",))
+            noun = f"the range of the {sensor} sensor"
+            yield place.at(sensor, f'view.of_sensor("{sensor}")', noun, *OF_ONE_SENSOR)
+    for wall, (words, direction_rad) in FACING.items():
+        noun = f"the range to walls that face {words}"
+        yield replace(every.at(wall, f"view.facing({direction_rad:.6g})", noun), may_be_constant=True)
 
 
 def _range(read: QuantityRead, setups: tuple[str, ...]) -> LawPlace:

@@ -32,7 +32,10 @@ MIN_TURN_RAD = 1.0
 """Turn of a log, from which its columns theta and w can be compared."""
 
 IGNORED_BY_TWIST: Mapping[str, frozenset[Slot]] = MappingProxyType(
-    {"odometry": frozenset({Slot.ROLLING, Slot.ENCODER, Slot.COUNTING}), "truth": frozenset({Slot.CREEP})}
+    {
+        "odometry": frozenset({Slot.ROLLING, Slot.ENCODER, Slot.COUNTING}),
+        "truth": frozenset({Slot.CREEP}),
+    }
 )
 """Slots between the speeds and the poses whose effects no prediction has, by the meaning of v and w."""
 

@@ -43,14 +43,18 @@ class Grid:
 
     def zero_order_hold(self, trials: tuple[Trial, ...], name: str) -> Array:
         """Return a channel at every sample, (T, N); missing values are those of the row before, and 0 at the start."""
-        columns = []
-        for trial, place in zip(trials, self.places, strict=True):
-            values = np.full(self.samples, np.nan)
-            values[place] = trial[name].values
-            known = np.isfinite(values)
-            last = np.maximum.accumulate(np.where(known, np.arange(self.samples), -1))
-            columns.append(np.where(last >= 0, values[last], 0.0))
-        return np.stack(columns, axis=1)
+        values = self.at_samples(np.concatenate([trial[name].values for trial in trials]))
+        number = np.arange(self.samples)[:, None]
+        last = np.maximum.accumulate(np.where(np.isfinite(values), number, -1))
+        return np.where(last >= 0, np.take_along_axis(values, np.maximum(last, 0), axis=0), 0.0)
+
+    def at_samples(self, values: Array) -> Array:
+        """Return values (n, ...) of the rows of all trials at the samples, (T, N, ...); NaN where there is no row."""
+        samples, begin = np.full((self.samples, len(self.places), *values.shape[1:]), np.nan), 0
+        for k, place in enumerate(self.places):
+            samples[place, k] = values[begin : begin + len(place)]
+            begin += len(place)
+        return samples
 
     def of_rows(self, samples: Array) -> Array:
         """Return samples (T, ..., N) at the rows of all trials, (..., n)."""

@@ -25,7 +25,7 @@ from sensors.line.line_sensor import LineOptics, tape_share
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
-MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.LINE_PLACE, Slot.LINE_HEIGHT})
+MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_HEADING, Slot.POSE_DELAY, Slot.LINE_PLACE, Slot.LINE_HEIGHT})
 """Slots of the effects that move the spots on the floor."""
 SLOTS = MOVING | {Slot.LINE_READING, Slot.LINE_LIMIT}
 FLOOR_SD, TAPE_SD = 0.05, 0.03

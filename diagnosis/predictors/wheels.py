@@ -27,8 +27,16 @@ from diagnosis.predictors.early_voltages import (
     steps_s,
 )
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
-from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
+from diagnosis.predictors.rows import (
+    bridged,
+    good_values,
+    joined,
+    rows_after,
+    session_time_s,
+    trial_covariate,
+    trial_of_rows,
+)
+from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
 from physics.robot.stack import MOTOR_TORQUE_SLOTS, stackable_groups, stacked
 from symolo.core.arrays import Array
@@ -71,6 +79,7 @@ class Wheels:
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
         self._parts, self._voltage_V = 1, self._voltages_V(measurement, 1)
+        self._measured = self._measured_rows(measurement)
         speeds = list(self._speeds([nominal])[0])
         self._known = KnownPredictions(PARTS, SLOTS, self._speeds)
         set_speeds = _set_speeds(measurement, nominal)
@@ -87,6 +96,14 @@ class Wheels:
             replace(each, count_noise=self._count_noise(each, keep))
             for each, keep in zip(observed, keep_shares, strict=True)
         )
+
+    def _measured_rows(self, measurement: Measurement) -> MeasuredRows:
+        """Return the logged places and the counted angles; a place that is not known is that of the last row, or 0."""
+        t_s, trials = joined(trial.t_s for trial in measurement.trials), [len(each.t_s) for each in measurement.trials]
+        place_m = bridged(np.stack([good_values(measurement, name) for name in ("x_m", "y_m")], axis=-1), t_s, trials)
+        counts = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in ("right", "left")], axis=-1)
+        x_m, y_m = (np.nan_to_num(self._grid.at_samples(place_m[:, k]))[..., None] for k in range(2))
+        return MeasuredRows(x_m, y_m, self._grid.at_samples(2.0 * pi / self._counts * counts))
 
     def _keep_shares(self, nominal: RobotConfig) -> Iterator[float]:
         """Yield the share of its speed that each wheel keeps from row to row without a voltage."""
@@ -230,7 +247,9 @@ class Wheels:
         speeds = np.full((len(robots), len(SIDES), rows), np.nan)
         for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
-            turned = counted_turns(model, voltage_V, self._grid.period_s, self._grid.begins_s, self._load, parts)
+            turned = counted_turns(
+                model, voltage_V, self._grid.period_s, self._grid.begins_s, self._load, parts, self._measured
+            )
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale

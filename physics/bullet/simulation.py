@@ -179,7 +179,8 @@ class BulletSimulation:
                 speed = right[1] + left[1]
                 reaction[1] += self._reaction_gain * (speed - self._speed_sum) - REACTION_SMOOTHING * reaction[1]
                 self._speed_sum = speed
-            torques = effects.torques_N_m(number, np.array((right[0], left[0])), speeds)
+            place_m = self._look()[:2] if effects.needs_place else (0.0, 0.0)
+            torques = effects.torques_N_m(number, np.array((right[0], left[0])), speeds, place_m)
             friction = effects.friction_to_set()
             if friction is not None:
                 pybullet.setJointMotorControlArray(

@@ -13,6 +13,7 @@ import pybullet
 from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.wheel_slip import WheelSlip
+from physics.robot.floor_place import FloorPlace
 from physics.robot.model import RobotModel, applied
 from symolo.core.arrays import Array
 
@@ -31,6 +32,9 @@ class WheelsWithEffects:
         self._slip = WheelSlip(model, rng)
         self._creep = model.functions(Slot.CREEP)
         self._ground = model.functions(Slot.GROUND)
+        self._travel = model.functions(Slot.TRAVEL)
+        self._turning = model.functions(Slot.TURNING)
+        self._place = FloorPlace(0.0, 0.0, 0.0)
         self._geometry = model.geometry
         self._coming: deque[tuple[int, Array]] = deque()
         self._command_V = self._held_V = self._voltage_V = np.zeros(2)
@@ -50,8 +54,22 @@ class WheelsWithEffects:
     def command(self, step: int, voltages_V: tuple[float, float]) -> None:
         self._coming.append((step + self._delay_steps, np.array(voltages_V)))
 
-    def torques_N_m(self, step: int, angles_rad: Array, speeds_rad_s: Array) -> list[float]:
-        """Return the driving torques, right and left [N m], for this step; call `friction_to_set` after it."""
+    @property
+    def needs_place(self) -> bool:
+        """Whether an effect may depend on the place of the robot."""
+        return bool(self._driveline.needs_place or self._travel or self._turning)
+
+    def torques_N_m(
+        self, step: int, angles_rad: Array, speeds_rad_s: Array, place_m: tuple[float, float] = (0.0, 0.0)
+    ) -> list[float]:
+        """Return the driving torques, right and left [N m], for this step; call `friction_to_set` after it.
+
+        Args:
+            step: Number of the step.
+            angles_rad: Angles of the wheels, right and left.
+            speeds_rad_s: Their speeds.
+            place_m: x and y of the middle of the axle in W; not used without `needs_place`.
+        """
         while self._coming and self._coming[0][0] <= step:
             command_V = self._coming.popleft()[1]
             grown_V = np.abs(command_V) - np.abs(self._command_V)
@@ -59,6 +77,8 @@ class WheelsWithEffects:
             self._command_V = command_V
         self._count(angles_rad)
         driveline, time_s = self._driveline, step * self._period_s
+        x_m, y_m = place_m
+        self._place = FloorPlace(np.array([x_m]), np.array([y_m]), time_s)
         self._held_V, voltage_V = driveline.voltage_V(self._held_V, self._command_V, time_s, self._period_s)
         self._voltage_V, self._supply_V = voltage_V, driveline.supply_V(time_s)
         self._winding = driveline.winding(time_s, self._heat)
@@ -68,7 +88,9 @@ class WheelsWithEffects:
         torque = driveline.shaft_torque_N_m(torque, angles_rad, speeds_rad_s * self._period_s)
         # The solver leaves a tiny speed on a wheel that sticks; its sign must not decide the direction of friction.
         at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
-        self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s, self._trend)
+        self._wanted_friction_N_m = driveline.friction_N_m(
+            torque, at_rest, time_s, self._trend, (self._place.x_m, self._place.y_m)
+        )
         return torque.tolist()
 
     def friction_to_set(self) -> list[float] | None:
@@ -92,7 +114,7 @@ class WheelsWithEffects:
     @property
     def slides(self) -> bool:
         """Whether the body moves otherwise than by the rolling of round wheels."""
-        return bool(self._rolling or self._slip or self._creep)
+        return bool(self._rolling or self._travel or self._slip or self._creep)
 
     def slid(self, yaw_rad: float) -> tuple[float, float]:
         """Return forward speed [m/s] and yaw rate [rad/s] of the body that its wheels in the engine do not have."""
@@ -104,7 +126,7 @@ class WheelsWithEffects:
 
         Bullet's contacts hold a round wheel that rolls without any slip, so that a force cannot do this.
         """
-        if not (self._ground or self._rolling or self._slip or self._creep):
+        if not (self._ground or self._turning or self.slides):
             return
         round_right_m_s = self._geometry.right_radius_m * speeds_rad_s[0]
         round_left_m_s = self._geometry.left_radius_m * speeds_rad_s[1]
@@ -113,11 +135,16 @@ class WheelsWithEffects:
             turned = speeds_rad_s * self._period_s
             share = applied(self._rolling, np.ones(2), self._angles + 0.5 * turned, turned)
             right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
+        if self._travel:
+            share = applied(self._travel, np.ones(2), self._place)
+            right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         if self._slip:
             share = self._slip.travelled(self._period_s * np.array([right_m_s, left_m_s]))
             right_m_s, left_m_s = share[0] * right_m_s, share[1] * left_m_s
         yaw_rate = (right_m_s - left_m_s) / self._geometry.track_m
         self.yaw_share = float(applied(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
+        if self._turning:
+            self.yaw_share *= float(applied(self._turning, np.ones(1), self._place)[0])
         more_rad_s = float(yaw_rate - (round_right_m_s - round_left_m_s) / self._geometry.track_m)
         self._ahead_m_s = float(0.5 * (right_m_s - round_right_m_s + left_m_s - round_left_m_s))
         self._turning_rad_s = self.yaw_share * more_rad_s
@@ -162,5 +189,5 @@ def needs_every_step(model: RobotModel) -> bool:
     slots += (Slot.RESISTANCE, Slot.TORQUE_CONSTANT, Slot.WINDING_HEAT)
     slots += (Slot.FRICTION, Slot.SHAFT_TORQUE, Slot.COMMAND_DELAY, Slot.COUNTING)
     # The gearbox cannot act at all; it is listed so that its play is refused.
-    slots += (Slot.ROLLING, Slot.SLIP, Slot.CREEP, Slot.GROUND, Slot.GEARBOX)
+    slots += (Slot.ROLLING, Slot.TRAVEL, Slot.SLIP, Slot.CREEP, Slot.GROUND, Slot.TURNING, Slot.GEARBOX)
     return any(model.functions(slot) for slot in slots)

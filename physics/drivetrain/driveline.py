@@ -33,6 +33,11 @@ class Winding:
     torque_constant_N_m_A: Array
 
 
+Place = tuple[float | Array, float | Array]
+NO_PLACE: Place = (0.0, 0.0)
+"""Place of a motor on a bench, and of a robot whose place is not known."""
+
+
 class Driveline:
     """The motors of a robot with its effects. All methods are pure: the caller keeps the state of a lag."""
 
@@ -93,6 +98,11 @@ class Driveline:
     def needs_angle(self) -> bool:
         """Whether the torque depends on the angle of the shaft."""
         return bool(self._shaft_torque)
+
+    @property
+    def needs_place(self) -> bool:
+        """Whether friction may depend on the place on the floor."""
+        return bool(self._friction)
 
     @property
     def is_bare(self) -> bool:
@@ -205,7 +215,14 @@ class Driveline:
         """
         return applied(self._shaft_torque, torque_N_m, angle_rad, turned_rad)
 
-    def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array, trend: float | Array) -> Array:
+    def friction_N_m(
+        self,
+        torque_N_m: Array,
+        speed_rad_s: Array,
+        time_s: float | Array,
+        trend: float | Array,
+        place_m: Place = NO_PLACE,
+    ) -> Array:
         """Return the dry friction against the motion; at rest the largest torque that it can hold.
 
         Without an effect on friction this is the motors' constant, to be broadcast.
@@ -215,11 +232,12 @@ class Driveline:
             speed_rad_s: Speeds.
             time_s: Time since the motors were first switched on.
             trend: Whether the size of the commanded voltage last grew (`voltage_trend`).
+            place_m: x and y of the robot in W.
         """
         if not self._friction:
             return self.coulomb_N_m
         direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
-        motion = ShaftMotion(direction, speed_rad_s, time_s, trend)
+        motion = ShaftMotion(direction, speed_rad_s, time_s, trend, *place_m)
         return applied(self._friction, self.coulomb_N_m, motion)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.driveline import NO_PLACE, Driveline, Place
 from physics.drivetrain.motion import voltage_trend
 from symolo.core.arrays import Array, stacked_rows
 
@@ -31,6 +31,8 @@ class HeldPart:
     """Whether the size of the commanded voltage last grew (+1) or fell (-1)."""
     heat: float | Array
     """Share by which heat has raised the resistance of the windings, at the beginning."""
+    place_m: Place = NO_PLACE
+    """x and y of the robot in W."""
 
 
 @dataclass(frozen=True)

@@ -205,7 +205,7 @@ class RigidWheels:
             torque = torque + driveline.extra_torque_N_m(part.voltage_V, speed_rad_s, part.supply_V, winding)
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
         torque = driveline.shaft_torque_N_m(torque, *turn)
-        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s, part.trend)
+        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s, part.trend, part.place_m)
 
 
 def _far_off(speed_rad_s: Array, predicted_rad_s: Array, share: float, among: Mask | None = None) -> Mask | None:

@@ -4,13 +4,13 @@ The inertia of the body may already be part of the motors' inertia, as on a stan
 were identified with the whole robot. Otherwise the wheels accelerate each other through the body.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
 
 from configs.effects.base import Slot
-from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.driveline import NO_PLACE, Driveline
 from physics.drivetrain.held_rows import held_rows, joined_parts
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.robot.body_inertia import BodyOnWheels
@@ -56,8 +56,25 @@ class WheelLoad:
 NO_LOAD = WheelLoad()
 
 
+@dataclass(frozen=True)
+class MeasuredRows:
+    """What was measured at the beginnings of T rows of N trials, on which the torques may depend."""
+
+    x_m: Array
+    """(T, N, 1), place of the robot in W."""
+    y_m: Array
+    angle_rad: Array
+    """(T, N, 2), angles of the wheels, right and left; NaN where not measured."""
+
+
 def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
-    model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array, load: WheelLoad = NO_LOAD, parts: int = 1
+    model: RobotModel,
+    voltage_V: Array,
+    row_s: float,
+    begin_s: Array,
+    load: WheelLoad = NO_LOAD,
+    parts: int = 1,
+    measured: MeasuredRows | None = None,
 ) -> Array:
     """Return the angles [rad] that the encoders count in each row from rest, (T, N, 2) or (T, M, N, 2), right and left.
 
@@ -68,6 +85,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
         begin_s: (N,), time of each trial's start since the robot was switched on.
         load: Load of the body, as far as it is not part of the motors' numbers.
         parts: Number of equal parts of a row.
+        measured: Places and angles; without them, the robot stays at the origin and the angles are those since rest.
 
     Raises:
         ValueError: A voltage is not a finite number.
@@ -85,10 +103,15 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []
     held = held_rows(driveline, voltage_V, row_s / parts, model.input_delay_s, begin_s[:, None])
-    for row in zip(*[held] * parts, strict=True):
-        turned = np.zeros(())
+    for number, row in enumerate(zip(*[held] * parts, strict=True)):
+        turned, place_m = np.zeros(()), NO_PLACE
+        if measured is not None:
+            place_m = measured.x_m[number], measured.y_m[number]
+            known = measured.angle_rad[number]
+            angle = np.where(np.isfinite(known), known, angle) if driveline.needs_angle else angle
         for part in joined_parts(part for held_row in row for part in held_row.parts) if parts > 1 else row[0].parts:
-            speed, further = wheels.moved(part, speed, angle)
+            placed = replace(part, place_m=place_m) if driveline.needs_place else part
+            speed, further = wheels.moved(placed, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
         rows.append(applied(counting, turned, row_s))

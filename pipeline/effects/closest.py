@@ -87,10 +87,9 @@ def _rivals(trial: EffectTrial) -> list[EffectTrial]:
 
 
 def _change(trial: EffectTrial, effect: Effect) -> Array:
-    """Return the change of all readings without an engine, in standard deviations."""
-    return np.concatenate(
-        [_difference(trial.bare(place), trial.read(place, effect)) for place in trial.places() if place != "engine"]
-    )
+    """Return the change of the readings in the twin and on the benches, in standard deviations."""
+    some = [place for place in trial.places() if place not in {"engine", "floor"}]
+    return np.concatenate([_difference(trial.bare(place), trial.read(place, effect)) for place in some])
 
 
 def _difference(bare: Readings, changed: Readings) -> Array:

@@ -259,7 +259,7 @@ def _rows(trial: EffectTrial) -> None:
 
 def _acts(trial: EffectTrial) -> None:
     silent = dict.fromkeys(trial.effect.parameters())
-    for place in ("bench", "twin"):
+    for place in ("bench", "floor", "twin"):
         for name, changed in trial.other_values() if place in trial.places() else ():
             cannot_drive = place == "twin" and list(changed.faults(in_simulation=True))
             if name in silent and not cannot_drive and not equal(trial.read(place, changed), trial.at_start[place]):

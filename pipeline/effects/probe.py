@@ -1,4 +1,6 @@
-"""Short experiments that between them excite every slot: a drive in PyBullet, one in the twin, and three benches."""
+"""Short experiments that between them excite every slot: a drive in PyBullet, one in the twin, three benches, and a
+floor.
+"""
 
 import os
 import sys
@@ -9,11 +11,14 @@ from typing import TypeVar
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
+from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor_bench import steady_states, step_responses
-from physics.robot.model import RobotModel
+from physics.robot.floor_place import FloorPlace
+from physics.robot.model import RobotModel, applied
 from physics.twin import KinematicTwin, ReplayedWorld
 from sensors.build import build_sensors
 from sensors.ranging.range_effects import RangeEffects
@@ -35,7 +40,8 @@ AT_TARGETS = (
     "range bench: 24 targets at 0.05 to 1.95 m, up to 46 degrees oblique, at 14 to 44 degrees C, up to 7.5 klux, "
     "within an hour"
 )
-ABOUT = (DRIVEN, ON_MOTOR, AT_TARGETS)
+ON_FLOOR = "floor: places up to 10 m from the origin, yaws all around, within an hour"
+ABOUT = (DRIVEN, ON_MOTOR, AT_TARGETS, ON_FLOOR)
 """The experiments in words, for a user whose effect changes none of their readings."""
 PHYSICS_HZ, TICK_STEPS, TICKS = 1000, 50, 12
 BEFORE_V, VOLTAGES_V, LATER_V = (3.0, 2.4), (2.8, 2.2), (1.0, 3.0)
@@ -44,6 +50,7 @@ STEADY_V = (-2.0, 0.3, 4.0)
 FAST = {"torque_constant_N_m_A": 0.06, "coulomb_friction_N_m": 1e-4, "viscous_friction_N_m_s_rad": 1e-7}
 """Motor of the second bench, which turns at up to 100 rad/s. A law may act at high speed only, or at low current."""
 LADDER_V = np.append(np.geomspace(0.003, 0.3, 8), np.linspace(0.5, 6.0, 16))
+FLOOR_M = np.linspace(-10.0, 10.0, 201)
 HOUR_S = 3600.0
 LADDER_S = HOUR_S * (0.618 * np.arange(1, len(LADDER_V) + 1) % 1.0)
 """Times of the steady states, in no order, so that a law of time is none of speed."""
@@ -151,6 +158,23 @@ class Probe:
             "range_sd_m": sd_m,
         }
 
+    def on_floor(self, robot: RobotConfig) -> Readings:
+        """Return what depends on places: those of a grid, each at another time, and yaws all around."""
+        model = RobotModel.from_config(robot)
+        x_m, y_m = (each.reshape(-1, 1) for each in np.meshgrid(FLOOR_M, FLOOR_M))
+        time_s = HOUR_S * (0.618 * np.arange(1, len(x_m) + 1)[:, None] % 1.0)
+        wheels, place = np.ones((len(x_m), 2)), FloorPlace(x_m, y_m, time_s)
+        friction_N_m = Driveline.of_robot(model).friction_N_m(wheels, wheels, time_s, 1.0, (x_m, y_m))
+        yaw_rad = np.linspace(-np.pi, np.pi, len(x_m))
+        return {
+            "friction_N_m": np.broadcast_to(friction_N_m, wheels.shape).copy(),
+            "travel": applied(model.functions(Slot.TRAVEL), wheels, place),
+            "turning": applied(model.functions(Slot.TURNING), np.ones_like(x_m), place),
+            "heading_error_rad": applied(
+                model.functions(Slot.POSE_HEADING), np.zeros_like(yaw_rad), yaw_rad, time_s[:, 0]
+            ),
+        }
+
     def _sensed(self, robot: RobotConfig, world: SteppedWorld) -> dict[str, Array]:
         sensors = build_sensors(
             robot, self.arena, PHYSICS_HZ, lambda name: np.random.Generator(np.random.PCG64(len(name)))
@@ -182,6 +206,7 @@ def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:
         reference_temperature_C=robot.tof.reference_temperature_C,
         ambient_lux=1500.0 * (row % 6),
         time_s=HOUR_S / 24.0 * row,
+        normal_rad=0.5 * np.pi * (row % 4),
     )
     effects = RangeEffects.of(robot.effects.without("tof_range_offset"))
     reading_m, sd_m = effects.seen(distance_m, 0.002 + 0.001 * (row % 3), view)

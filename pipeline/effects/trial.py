@@ -16,6 +16,8 @@ from pipeline.effects.probe import Probe, Readings
 
 ANY_NAME: Mapping[str, tuple[str, ...]] = MappingProxyType({"material": ("white_board",)})
 """Values of parameters that take any name."""
+OF_PLACES = frozenset({Slot.FRICTION, Slot.TRAVEL, Slot.TURNING, Slot.POSE_HEADING})
+"""Slots whose effects may act at places, or times, that no short drive reaches."""
 KEPT_CALLS = 24
 """Calls that the rules repeat; they are spread over all that were recorded."""
 
@@ -49,7 +51,8 @@ class EffectTrial:
     def places(self) -> dict[str, str]:
         """Return the method of the probe by the name of each experiment that can have the effect."""
         drives = {"twin": "in_twin"} | ({"engine": "in_engine"} if self.has_engine else {})
-        return {**({} if self.is_for_bench else drives), "bench": "on_bench"}
+        floor = {"floor": "on_floor"} if self.effect.slot in OF_PLACES else {}
+        return {**({} if self.is_for_bench else drives), "bench": "on_bench", **floor}
 
     def read(self, place: str, effect: Effect) -> Readings:
         """Return the readings of an experiment with the effect."""

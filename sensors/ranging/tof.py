@@ -8,6 +8,7 @@ Effects may change the weights in the mean, but not the amount of light.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from physics.robot.model import applied
 from sensors.base import Reading, Sampling, Sensor, World, quantise
 from sensors.ranging.logarithmic_error import NEAR_LIMIT_M, log_beyond_near
 from sensors.ranging.range_effects import RangeEffects
-from sensors.ranging.range_view import RangeView
+from sensors.ranging.range_view import OTHER_SENSOR, RANGE_SENSORS, RangeView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
@@ -55,6 +56,9 @@ class Light:
 
 class RangeDevices:
     """Any number N of sensors of one kind; each reading is a range [m] and a `TofStatus`."""
+
+    sensor: ClassVar[int | NDArray[np.int64]] = OTHER_SENSOR
+    """Index of each one among `RANGE_SENSORS`."""
 
     def __init__(  # noqa: PLR0917 - what a sensor is built from, and the places
         self,
@@ -204,6 +208,8 @@ class RangeDevices:
             reference_temperature_C=self._config.reference_temperature_C,
             ambient_lux=self._config.ambient_lux,
             time_s=world.time_s,
+            sensor=self.sensor,
+            normal_rad=np.arctan2(mean_normal[:, 1], mean_normal[:, 0]),
         )
 
     def _cast(self, world: World) -> tuple[Array, Array, NDArray[np.int64], Array]:
@@ -235,6 +241,7 @@ class TofArray(RangeDevices, Sensor):
     name = "tof"
     Settings = TofSensor
     series = (RANGES, RANGE_STATUS)
+    sensor = np.arange(len(RANGE_SENSORS))
 
     def __init__(
         self,

@@ -11,8 +11,8 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.prediction_error import SIZE, Beyond, predictions, relative_distance
-from diagnosis.predictors.pose.by_counts import PoseNoise
 from diagnosis.predictors.pose.dead_reckoning import path_sd
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.report.files import ANSWER, PAGE, SUMMARY, files
 from diagnosis.unseen import unseen_inputs
 

@@ -33,6 +33,7 @@ from benchmarks.diagnosis.independent_cases.recipes import Array, Variant, varia
 from benchmarks.diagnosis.independent_cases.setting import Setting
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.discovery.discover import OPEN, with_law
+from diagnosis.discovery.places import FACING
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.gain import trimmed_rms
 from pipeline.diagnosing.importers import IMPORTERS
@@ -76,10 +77,22 @@ SAME: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "command_dead_zone": ("voltage", "dead_zone", ("u_V",)),
     "range_periodic": ("range", "wave", ("distance_m",)),
     "range_gain_drift": ("range", "line", ("t_s", "distance_m")),
+    "friction_patch": ("friction", "disc", ("x_m", "y_m")),
+    "wheel_cogging 1": ("torque", "wave", ("wheel_angle_rad",)),
+    "wheel_cogging 2": ("torque", "double_wave", ("wheel_angle_rad",)),
+    "wheel_cogging 3": ("torque", "triple_wave", ("wheel_angle_rad",)),
+    "slippery_patch": ("travel", "disc", ("x_m", "y_m")),
+    "geometry_jump radius": ("travel", "step", ("t_s",)),
+    "geometry_jump track": ("turning", "step", ("t_s",)),
+    "heading_distortion": ("heading", "double_wave", ("theta_rad",)),
+    "glass_wall": ("range", "offset", ()),
+    "range_memory": ("range", "memory", ("distance_step_m",)),
 }
-"""Place, shape and covariates by hidden effect, with the parameter or the channel that it changes; `t_s` is the time
-since power-on.
+"""Place, shape and covariates by hidden effect, with the parameter or the channel that it changes, or the number of its
+cycles; `t_s` is the time since power-on.
 """
+WALLS = tuple(FACING)
+"""Walls of a room in the order of the generator: x = 0, x at its end, y = 0, y at its end."""
 NEARLY_STRAIGHT = (0.7, 1.4)
 MIN_GAIN = 0.1
 """Share of the error that the true law must remove for a share of the gain to be judged."""
@@ -164,7 +177,16 @@ def has_slot(name: str, variant: Variant) -> bool:
 def structure(name: str, variant: Variant) -> str:
     """Return the name of the hidden effect among those of `SAME`."""
     parameters = variant.outside[0].parameters
-    return " ".join([name, *(parameters[key] for key in ("parameter", "channel") if key in parameters)])
+    cycles = [f"{parameters['cycles_per_turn']:.0f}"] if "cycles_per_turn" in parameters else []
+    return " ".join([name, *(parameters[key] for key in ("parameter", "channel") if key in parameters), *cycles])
+
+
+def member(variant: Variant) -> str:
+    """Return the only wheel, sensor or wall that has the hidden effect; empty for all."""
+    parameters = variant.outside[0].parameters
+    if "wall" in parameters:
+        return WALLS[parameters["wall"]]
+    return parameters.get("side", parameters.get("sensor", ""))
 
 
 def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
@@ -179,7 +201,8 @@ def is_same(name: str, variant: Variant, diagnosis: Diagnosis) -> bool:
     names = tuple("t_s" if name == "session_time_s" else name for name in form.covariates)
     if (form.shape != shape and not is_line) or names != covariates:
         return False
-    return form.place.prefix == prefix and form.material == parameters.get("material", "")
+    is_of_same = form.material == parameters.get("material", "") and form.place.member == member(variant)
+    return form.place.prefix == prefix and is_of_same
 
 
 def errors(diagnosis: Diagnosis, setting: Setting, variant: Variant) -> list[float]:

@@ -7,7 +7,7 @@ cancels in slow structure, and adds up in structure that turns over between the 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -16,12 +16,13 @@ from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_files.case_format import POSE
-from diagnosis.measured.case_files.nominal import KnownWheels, NominalDrive, NominalLog
+from diagnosis.measured.case_files.nominal import KnownWheels
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, SharedReading
 from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose.heading_error import PASSES, heading_error_rad, turned_by
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
@@ -33,6 +34,7 @@ from diagnosis.predictors.rows import (
     trial_of_rows,
 )
 from physics.drivetrain.wheel_turns import true_turns
+from physics.robot.floor_place import FloorPlace
 from physics.robot.model import RobotModel, applied
 from physics.robot.stack import stackable_groups, stacked, stacked_effects
 from symolo.core.arrays import Array
@@ -47,45 +49,23 @@ SLOTS = frozenset(
     {
         Slot.GEOMETRY,
         Slot.ROLLING,
+        Slot.TRAVEL,
         Slot.CREEP,
         Slot.GROUND,
+        Slot.TURNING,
         Slot.ENCODER,
         Slot.COUNTING,
         Slot.POSE_POINT,
+        Slot.POSE_HEADING,
         Slot.POSE_DELAY,
     }
 )
 """Slots of the effects between the counts and the logged poses."""
-MIN_NOISE = 1e-6
-"""Noise of a pose [m, rad] that is stated as exact: it is rounded all the same."""
-UNSTATED_SLIP = 1e-3
-"""Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
 SIDES = ("right", "left")
 COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
 READINGS = (4, 4, 2)
 """Number of logged readings that each component consists of: x and y of two poses, seen from the body, or two headings.
 """
-
-
-@dataclass(frozen=True)
-class PoseNoise:
-    """Noise of the logged poses and of the wheels."""
-
-    xy_m: float
-    theta_rad: float
-    slip_m_per_sqrt_m: float
-
-    @classmethod
-    def of(cls, measurement: Measurement) -> "PoseNoise":
-        """Return the noise that the case states, else that of the camera, estimated from its channels."""
-        if isinstance(measurement.nominal, NominalDrive):
-            noise = measurement.nominal.noise
-            return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
-        if isinstance(measurement.nominal, NominalLog):
-            noise = measurement.nominal.noise
-            return cls(max(noise.pose_xy_m, MIN_NOISE), max(noise.pose_theta_rad, MIN_NOISE), UNSTATED_SLIP)
-        xy_m, theta_rad = (_camera_noise(measurement, name) for name in ("x_m", "theta_rad"))
-        return cls(xy_m, theta_rad, UNSTATED_SLIP)
 
 
 class Pose:
@@ -113,8 +93,10 @@ class Pose:
         self._counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
         self._counted[self._starts] = 0.0
         self._first, self._last = rows_after(measurement, WINDOW, STRIDE)
-        theta = good_values(measurement, "theta_rad")
-        self._heading_rad = bridged(theta[:, None], self._t_s, self._trials)[:, 0]
+        logged = bridged(np.stack([good_values(measurement, name) for name in POSE], axis=-1), self._t_s, self._trials)
+        self._heading_rad = logged[:, 2]
+        self._since_on_s = session_time_s(measurement)
+        self._place = self._places(logged)
         missing = np.concatenate([[0], np.cumsum(~whole)])
         self._complete = missing[self._last + 1] == missing[self._first]
         self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
@@ -133,10 +115,15 @@ class Pose:
             robot: The robot.
             starts: (N, 3), logged x [m], y [m], yaw [rad] in the first row of each trial.
         """
-        path = self._paths([robot], starts)
-        begin = np.repeat(path[self._starts], self._trials, axis=0)
         from_w = np.repeat(starts, self._trials, axis=0)
-        return from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
+        place, in_w = self._places(from_w), from_w
+        # Where the robot is depends on what the places do to it: each pass is right for longer.
+        for _ in range(PASSES if robot.effects.in_slots({Slot.TRAVEL, Slot.TURNING}) else 1):
+            path = self._paths([robot], starts, place)
+            begin = np.repeat(path[self._starts], self._trials, axis=0)
+            in_w = from_w + seen_from_body(begin[:, 2] - from_w[:, 2], path - begin)
+            place = self._places(in_w)
+        return in_w
 
     def wheel_speeds_rad_s(self, robot: RobotConfig) -> Array:
         """Return the mean speeds of the right and the left wheel in each window, by their counts, (m, 2)."""
@@ -169,18 +156,29 @@ class Pose:
         first, last = poses[..., self._first, :], poses[..., self._last, :]
         return seen_from_body(first[..., 2], last - first)
 
-    def _paths(self, robots: Sequence[RobotConfig], starts: Array | None = None) -> Array:
+    def _places(self, pose: Array) -> FloorPlace:
+        """Return the places (n, 1) in the middle of each row's motion, by poses (n, 3) in W."""
+        before = np.maximum(np.arange(len(pose)) - 1, np.repeat(self._starts, self._trials))
+        middle = 0.5 * (pose + pose[before])
+        time_s = self._since_on_s - 0.5 * (self._since_on_s - self._since_on_s[before])
+        return FloorPlace(middle[:, :1], middle[:, 1:2], time_s[:, None])
+
+    def _paths(
+        self, robots: Sequence[RobotConfig], starts: Array | None = None, place: FloorPlace | None = None
+    ) -> Array:
         """Return the tracked poses at the logged times, (n, 3) or (M, n, 3), each trial from the axle at zero.
 
         Args:
             robots: M robots that are alike.
             starts: (N, 3), logged poses in the first row of each trial, if there are no others.
+            place: Places of the rows; those of the log by default.
         """
+        place = place or self._place
         # Robots that differ in other effects only are predicted once, so these must not act.
         robots = [_with_slots(robot, self.slots) for robot in robots]
         model = RobotModel.from_config(stacked(robots, axes=2))
-        turned = self._turned(model)
-        steps = self._steps(model, turned)
+        turned = self._turned(model, place)
+        steps = self._steps(model, turned, place)
         pose = np.zeros((*steps.shape[:-1], 3))
         for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
             part = slice(start, start + rows)
@@ -196,7 +194,19 @@ class Pose:
             as_logged = earlier(pose, self._t_s, self._trials, delay_s)
             pose = pose + self._crept(model, turned, as_logged[..., 2], starts)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
-        return applied(model.functions(Slot.POSE_POINT), pose)
+        tracked = applied(model.functions(Slot.POSE_POINT), pose)
+        if functions := effects.functions(Slot.POSE_HEADING):
+            if starts is None:
+                error_rad = heading_error_rad(functions, self._heading_rad - self._askew_rad(model), self._since_on_s)
+            else:
+                yaw_rad = tracked[..., 2] + np.repeat(starts[:, 2], self._trials) - self._askew_rad(model)
+                error_rad = applied(functions, np.zeros_like(yaw_rad), yaw_rad, self._since_on_s)
+            tracked = turned_by(tracked, error_rad)
+        return tracked
+
+    def _askew_rad(self, model: RobotModel) -> Array:
+        """Return by how much the tracked body is turned on the robot, (1,) or (M, 1)."""
+        return applied(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
         """Return the counts of the right and the left wheel in all rows, (n, 2); NaN where missing."""
@@ -213,18 +223,19 @@ class Pose:
         del measurement
         return 0.0, 0.0
 
-    def _turned(self, model: RobotModel) -> Array:
+    def _turned(self, model: RobotModel, place: FloorPlace) -> Array:
         """Return turns [rad] of right and left wheel since the previous row, by which round wheels would travel as far
         as those of the robot do, (n, 2) or (M, n, 2).
         """
         rad_per_count = 2.0 * pi / model.counts_per_revolution
         turned = true_turns(model, rad_per_count * self._counted, self._steps_s[:, None])
+        share = applied(model.functions(Slot.TRAVEL), np.ones_like(turned), place)
         if not (rolling := model.functions(Slot.ROLLING)):
-            return turned
+            return turned * share
         total = np.cumsum(turned, axis=-2)
         since_start = total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
         angle_rad = rad_per_count * np.repeat(self._ticks[self._starts], self._trials, axis=0) + since_start
-        return turned * applied(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned)
+        return turned * applied(rolling, np.ones_like(turned), angle_rad - 0.5 * turned, turned) * share
 
     def _crept(self, model: RobotModel, turned: Array, yaw_rad: Array, starts: Array | None) -> Array:
         """Return by how much the robot has crept over the floor, in the frame of each trial's path, (..., n, 3).
@@ -242,7 +253,7 @@ class Pose:
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         travel_m = 0.5 * (np.abs(right_m) + np.abs(left_m))
         crept_m = applied(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
-        askew_rad = applied(model.functions(Slot.POSE_POINT), np.zeros((1, 3)))[..., 2]
+        askew_rad = self._askew_rad(model)
         if starts is None:
             frame_rad = self._heading_rad - askew_rad - yaw_rad
         else:
@@ -251,13 +262,14 @@ class Pose:
         total = np.cumsum(seen_from_body(frame_rad, steps), axis=-2)
         return total - np.repeat(total[..., self._starts, :], self._trials, axis=-2)
 
-    def _steps(self, model: RobotModel, turned: Array) -> Array:
+    def _steps(self, model: RobotModel, turned: Array, place: FloorPlace) -> Array:
         """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
         step_s = self._steps_s[:, None]
         share = applied(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        share = applied(model.functions(Slot.TURNING), share, place)
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
@@ -383,9 +395,3 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         parts.append(before + share * (later - before))
     shape = max((part.shape[:-2] for part in parts), key=len)
     return np.concatenate([np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in parts], axis=-2)
-
-
-def _camera_noise(measurement: Measurement, name: str) -> float:
-    noises = [noise_of(channel) for channel in measurement.across(name)]
-    known = [noise.sd for noise in noises if noise is not None and noise.sd > 0.0]
-    return float(np.median(known)) if known else 1e-3

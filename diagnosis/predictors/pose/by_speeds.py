@@ -11,9 +11,13 @@ from diagnosis.measured.case_files.nominal import NominalLog
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.pose.by_counts import WINDOW, Pose
 from diagnosis.predictors.rows import bridged, good_values
-from physics.robot.model import RobotModel
+from physics.robot.floor_place import FloorPlace
+from physics.robot.model import RobotModel, applied
 from physics.robot.stack import stacked
 from symolo.core.arrays import Array
+
+OVER_FLOOR = frozenset({Slot.TRAVEL, Slot.GROUND, Slot.TURNING, Slot.CREEP})
+OF_POSE = frozenset({Slot.POSE_POINT, Slot.POSE_HEADING, Slot.POSE_DELAY})
 
 
 class PoseByWheelSpeeds(Pose):
@@ -24,7 +28,7 @@ class PoseByWheelSpeeds(Pose):
     """
 
     parts = ("drive", "encoder")
-    slots = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.CREEP, Slot.POSE_POINT, Slot.POSE_DELAY})
+    slots = frozenset({Slot.GEOMETRY, *OVER_FLOOR, *OF_POSE})
     channels = ("v", "w", "w")
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
@@ -50,9 +54,9 @@ class PoseByWheelSpeeds(Pose):
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
         return stacked(robots, axes=1).encoder.delay_s
 
-    def _turned(self, model: RobotModel) -> Array:
-        del model
-        return self._per_count * self._counted
+    def _turned(self, model: RobotModel, place: FloorPlace) -> Array:
+        turned = self._per_count * self._counted
+        return turned * applied(model.functions(Slot.TRAVEL), np.ones_like(turned), place)
 
     def _added_variance(self, measurement: Measurement) -> tuple[float | Array, float | Array]:
         if not isinstance(measurement.nominal, NominalLog):
@@ -67,7 +71,7 @@ class PoseByBodySpeeds(PoseByWheelSpeeds):
 
     has_wheels = False
     parts = ("encoder",)
-    slots = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY})
+    slots = OF_POSE
 
     def _age_s(self, robots: Sequence[RobotConfig]) -> float | Array:
         # They come from no encoder: only the deviation of a hypothesis from the nominal robot is an age.
@@ -82,8 +86,8 @@ class PoseByBodySpeeds(PoseByWheelSpeeds):
         # A speed of the body is that at the time of its row (trapezoidal rule).
         return 0.5 * (speeds[1:] + speeds[:-1])
 
-    def _steps(self, model: RobotModel, turned: Array) -> Array:
-        del model, turned
+    def _steps(self, model: RobotModel, turned: Array, place: FloorPlace) -> Array:
+        del model, turned, place
         return self._bodily
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.predictors.pose.by_counts import PoseNoise
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 from symolo.core.arrays import Array
 
 

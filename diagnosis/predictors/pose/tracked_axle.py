@@ -9,10 +9,12 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.pose.by_counts import PoseNoise, earlier
+from diagnosis.predictors.pose.by_counts import earlier
 from diagnosis.predictors.pose.guided_pose import GuidedPoses
+from diagnosis.predictors.pose.heading_error import heading_error_rad, turned_by
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.smoothed_pose import smoothed_earlier
-from diagnosis.predictors.rows import bridged, good_values, joined
+from diagnosis.predictors.rows import bridged, good_values, joined, session_time_s
 from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
@@ -32,6 +34,7 @@ class TrackedAxle:
         self._earlier = smoothed_earlier if is_smoothed else earlier
         self._trials = [len(trial.t_s) for trial in measurement.trials]
         self._t_s = joined(trial.t_s for trial in measurement.trials)
+        self._since_on_s = session_time_s(measurement)
         logged = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self.is_logged = np.isfinite(logged).all(axis=-1)
         """(n,), rows with a pose."""
@@ -64,5 +67,9 @@ class TrackedAxle:
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         # The effects turn every axle by the same angle and shift it by a vector that depends on its yaw only. So one
         # step back from the tracked pose gives the yaw of the axle, and a second one its place.
+        if functions := stacked_effects(robots, axes=1).functions(Slot.POSE_HEADING):
+            askew_rad = applied(point, np.zeros((1, 3)))[..., 2]
+            error_rad = heading_error_rad(functions, tracked[..., 2] - askew_rad, self._since_on_s)
+            tracked = turned_by(tracked, -error_rad)
         axle = 2.0 * tracked - applied(point, tracked)
         return axle + (tracked - applied(point, axle))

@@ -33,6 +33,7 @@ PARTS = ("tof",)
 SLOTS = frozenset(
     {
         Slot.POSE_POINT,
+        Slot.POSE_HEADING,
         Slot.POSE_DELAY,
         Slot.RANGE_MOUNT,
         Slot.RANGE,
@@ -71,6 +72,8 @@ class Sight:
     material_share: Mapping[str, Array]
     pose_variance: Array
     """Variance of the distance by the noise of the pose [m2]."""
+    normal_rad: Array
+    """Direction of the normal of the surface in W."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +129,11 @@ class Ranges(ABC):
     @abstractmethod
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         """Return what robots that can be stacked see."""
+
+    def _at_reading_before(self, distance_m: Array) -> Array:
+        """Return the distances (..., n, 3) at the readings before those of the rows; the present ones if not known."""
+        # Rows may repeat a reading until the next one, and those that do not count have no distance.
+        return distance_m
 
     def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
         """Return the logged poses."""
@@ -194,8 +202,7 @@ class Ranges(ABC):
             sight, effects, tof = self._sight(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(
                 distance_m=sight.distance_m,
-                # Rows repeat a reading until the next one, and those that do not count have no distance.
-                previous_distance_m=sight.distance_m,
+                previous_distance_m=self._at_reading_before(sight.distance_m),
                 incidence_rad=sight.incidence_rad,
                 tilt_forward_rad=sight.tilt_forward_rad,
                 tilt_sideways_rad=sight.tilt_sideways_rad,
@@ -205,6 +212,8 @@ class Ranges(ABC):
                 reference_temperature_C=tof.reference_temperature_C,
                 ambient_lux=tof.ambient_lux,
                 time_s=self._since_on_s[:, None],
+                sensor=np.arange(len(RANGE_SIDES)),
+                normal_rad=sight.normal_rad,
             )
             reading = RangeEffects.of(effects).expected(sight.reading_m, sight.sd_m, view, self.resolution_m)
             mean[group], reading_sd = reading

@@ -25,10 +25,20 @@ from diagnosis.predictors.ranges.arenas import LogArenas
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
 from diagnosis.predictors.rows import trial_of_rows
 from physics.robot.model import applied
+from physics.robot.stack import stacked_effects
 from sensors.ranging.tof import beam_profile, head_on_factor, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.core.arrays import Array
 
-MOVING = frozenset({Slot.POSE_POINT, Slot.POSE_DELAY, Slot.RANGE_DELAY, Slot.RANGE_GATHERING, Slot.RANGE_MOUNT})
+MOVING = frozenset(
+    {
+        Slot.POSE_POINT,
+        Slot.POSE_HEADING,
+        Slot.POSE_DELAY,
+        Slot.RANGE_DELAY,
+        Slot.RANGE_GATHERING,
+        Slot.RANGE_MOUNT,
+    }
+)
 """Slots of the effects that move a sensor."""
 GRID = 0.1
 """Spacing of the grid of a parameter, as a share of its start value in a fit. It is 10 mrad for an angle, 4 ms for a
@@ -198,7 +208,14 @@ class RangesInArena(Ranges):
             reflectance=reflectance,
             material_share=dict(zip(self._arenas.materials, materials, strict=True)),
             pose_variance=variance,
+            normal_rad=self._axis_rad(robots) + np.arctan2(left, axial),
         )
+
+    def _axis_rad(self, robots: Sequence[RobotConfig]) -> Array:
+        """Return the directions of the axes of the sensors in W, (n, 3) or (M, n, 3)."""
+        functions = stacked_effects(robots, axes=2).functions(Slot.RANGE_MOUNT)
+        yaw_rad = np.radians([getattr(self._tof.mounts, side).yaw_deg for side in RANGE_SIDES])
+        return self._axle(robots)[..., 2:] + applied(functions, yaw_rad)
 
     def _seen(self, k: int, robot: RobotConfig) -> Array:
         """Return distance, normal, variance and properties of the surfaces in the rows that count, (F, n)."""

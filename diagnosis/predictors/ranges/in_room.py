@@ -15,11 +15,14 @@ from diagnosis.predictors.pose.guided_pose import wheel_steps
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
+from diagnosis.predictors.rows import trial_of_rows
 from physics.robot.model import applied
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array
 
 WALL_REFLECTANCE = 1.0
+NORMALS_RAD = np.array([0.0, np.pi, 0.5 * np.pi, -0.5 * np.pi])
+"""Directions of the normals of `WALLS`, which point into the room."""
 
 
 class RangesInRoom(Ranges):
@@ -33,7 +36,14 @@ class RangesInRoom(Ranges):
         if nominal_case.tof is None or nominal_case.world is None:
             raise ValueError("a case without range sensors or a room has no such stage")
         self._noise, self._room, self._range = nominal_case.noise, nominal_case.world, nominal_case.tof
+        before = np.arange(len(trial_of_rows(measurement))) - 1
+        is_first = np.diff(trial_of_rows(measurement), prepend=-1) != 0
+        self._row_before = np.where(is_first, before + 1, before)
         super().__init__(measurement, nominal)
+
+    def _at_reading_before(self, distance_m: Array) -> Array:
+        # Each row of the case format has a reading of its own.
+        return distance_m[..., self._row_before, :]
 
     def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
         return TrackedAxle(measurement, steps=wheel_steps(measurement, nominal))
@@ -61,6 +71,7 @@ class RangesInRoom(Ranges):
             reflectance=np.full(len(RANGE_SIDES), WALL_REFLECTANCE),
             material_share={},
             pose_variance=self._pose_variance,
+            normal_rad=NORMALS_RAD[seen.wall],
         )
 
     def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from configs.effects.base import Slot
 from diagnosis.discovery.law import DiscoveredLaw
+from diagnosis.discovery.place import values_of
 from diagnosis.report.plots.panels import AFTER, MAX_POINTS, MEASURED
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences.quantities import covariate_axis
@@ -33,8 +34,9 @@ def law_plot(data: ReportData, law: DiscoveredLaw) -> bytes:
     ]
     k = int(np.argmax(shown))
     observed, place = evidence.observed[k], evidence.places[k]
-    covariate = next(c for c in observed.covariates if c.name == law.form.covariates[0])
-    x = covariate.values
+    # A law that depends on nothing is shown over the first quantity on which it might.
+    along = next(iter(law.form.covariates), observed.covariates[0].name)
+    x = values_of(observed)[along]
     change, left = (with_law - without)[place], (evidence.values - without)[place]
     rows = usable[place] & np.isfinite(x) & np.isfinite(left)
     figure = Figure(figsize=SIZE_IN, layout="constrained")
@@ -58,12 +60,17 @@ def law_plot(data: ReportData, law: DiscoveredLaw) -> bytes:
             label=label,
         )
     order = np.flatnonzero(rows)[np.argsort(x[rows], kind="stable")]
-    is_function = law.form.place.slot is Slot.RANGE and len(law.form.covariates) == 1 and not law.form.material
+    is_function = (
+        law.form.place.slot is Slot.RANGE
+        and len(law.form.covariates) == 1
+        and not law.form.material
+        and not law.form.place.member
+    )
     axes.plot(
         x[order], change[order], "-" if is_function else ".", color=AFTER, markersize=5, linewidth=1.6, label="the law"
     )
     reach = 1.25 * float(np.percentile(np.abs(np.concatenate([left[rows], change[rows]])), SHOWN_PERCENT))
     axes.set_ylim(-reach, reach)
     axes.set_xlim(low - BEYOND * (high - low), high + BEYOND * (high - low))
-    finished(axes, law.name, covariate_axis(covariate.name), f"change of {observed.name} [{observed.unit}]")
+    finished(axes, law.name, covariate_axis(along), f"change of {observed.name} [{observed.unit}]")
     return png(figure)

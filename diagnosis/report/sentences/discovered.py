@@ -58,6 +58,7 @@ def in_json(discovery: Discovery | None) -> dict[str, object]:
         "slot": str(law.form.place.slot),
         "shape": law.form.shape,
         "covariates": list(law.form.covariates),
+        "member": law.form.place.member,
         "parameters": {**dict(law.effect.choices), **law.values},
         "std": dict(law.std),
         "range": {seen.covariate: [seen.low, seen.high] for seen in law.ranges},

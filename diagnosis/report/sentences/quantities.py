@@ -40,6 +40,8 @@ NAMES = {
     "ambient": "ambient light",
     "reading": "reading",
     "theta": "heading",
+    "x": "place along x",
+    "y": "place along y",
     "wheel_angle": "angle of the wheel",
     "wheel_left": "speed of the left wheel",
     "wheel_right": "speed of the right wheel",

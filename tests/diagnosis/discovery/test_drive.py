@@ -1,4 +1,4 @@
-"""A law that is hidden in the ranges of a drive by its closed form."""
+"""Laws that are hidden in the ranges of a drive by their closed forms."""
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ ROOM_X_M, ROOM_Y_M, FRONT_M, SIDE_M = 2.0, 1.6, 0.06, 0.05
 FAR_M, STEP_M, SD_M = 0.7, 0.008, 0.002
 ROW_S, SWING_M, RATE_RAD_S = 0.09, 0.45, 0.7
 FASTEST_M_S = SWING_M * RATE_RAD_S
+EXTRA_M = 0.02
 NOMINAL = f"""kind: drive_log
 robot:
   wheel_radius_m: {{value: 0.035, tolerance: 0.0001}}
@@ -37,20 +38,34 @@ noise:
 """
 
 
-def drive_along_the_room(folder):
-    """Return a log of a robot that drives to and fro along the room, each time nearer to one side, with three sensors
-    that read 8 mm too much beyond 0.7 m. It looks along the x axis, so that the ranges are differences.
+def step_beyond(far_m, _is_ahead):
+    """Three sensors that read 8 mm too much beyond 0.7 m."""
+    return far_m + np.where(far_m > FAR_M, STEP_M, 0.0)
+
+
+def glass_at_the_end(far_m, is_ahead):
+    """A wall at the far end of y that reads 20 mm too far: it is to the left of a robot that looks along +x."""
+    return far_m + EXTRA_M * np.array([0.0, 1.0, 0.0] if is_ahead else [0.0, 0.0, 1.0])
+
+
+def drive_along_the_room(folder, read=step_beyond, *, turns=False):
+    """Return a log of a robot that drives to and fro along the room, each time nearer to one side. It looks along the
+    x axis, so that the ranges are differences; in every second trial it looks the other way if it `turns`.
     """
     noise = np.random.Generator(np.random.PCG64(5))
     lines = ["trial,split,session_time_s,t_s,tof_front_m,tof_left_m,tof_right_m,x_m,y_m,theta_rad"]
     for trial in range(1, 7):
         y_m = 0.45 + 0.1 * trial
+        is_ahead = not turns or trial % 2 == 1
         for row in range(80):
             t_s = ROW_S * row
             x_m = 1.3 + SWING_M * np.sin(RATE_RAD_S * t_s + trial)
-            far_m = np.array([ROOM_X_M - x_m - FRONT_M, ROOM_Y_M - y_m - SIDE_M, y_m - SIDE_M])
-            read_m = far_m + np.where(far_m > FAR_M, STEP_M, 0.0) + SD_M * noise.standard_normal(3)
-            pose = np.array([x_m, y_m, 0.0]) + np.array([2e-4, 2e-4, 5e-4]) * noise.standard_normal(3)
+            to_left_m, to_right_m = ROOM_Y_M - y_m, y_m
+            far_m = np.array([ROOM_X_M - x_m, to_left_m, to_right_m] if is_ahead else [x_m, to_right_m, to_left_m])
+            far_m -= np.array([FRONT_M, SIDE_M, SIDE_M])
+            read_m = read(far_m, is_ahead) + SD_M * noise.standard_normal(3)
+            yaw_rad = 0.0 if is_ahead else np.pi
+            pose = np.array([x_m, y_m, yaw_rad]) + np.array([2e-4, 2e-4, 5e-4]) * noise.standard_normal(3)
             cells = ",".join(f"{value:.5f}" for value in (*read_m, *pose))
             split = "holdout" if trial % 3 == 0 else "fit"
             lines.append(f"{trial},{split},{100.0 * trial + t_s:.2f},{t_s:.2f},{cells}")
@@ -82,6 +97,13 @@ def test_its_file_acts_in_drives(diagnosis):
 
 def test_only_jumps_and_drifts_depend_on_the_time_of_a_drive(diagnosis):
     """A bump or a wave in time may be a place that the robot passes again and again."""
-    (place,) = places(diagnosis.measurement.kind, diagnosis.evidence, diagnosis.fit.robot.motor)
+    where = places(diagnosis.measurement.kind, diagnosis.evidence, diagnosis.fit.robot.motor)
+    place = next(each for each in where if each.name == "range")
     over_time = {form.shape for form in forms(place, ()) if form.covariates[0] == "session_time_s"}
     assert over_time == {"step", "rise", "line", "power", "saturation"}
+
+
+def test_a_wall_that_reads_too_far_is_found_by_the_direction_that_it_faces(tmp_path):
+    law = with_law(diagnose(drive_along_the_room(tmp_path, glass_at_the_end, turns=True))).law
+    assert law.name == "wall_facing_minus_y_range_offset"
+    assert law.values["offset_m"] == pytest.approx(EXTRA_M, abs=3.0 * law.std["offset_m"])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.predictors.pose.by_counts import PoseNoise
 from diagnosis.predictors.pose.guided_pose import GuidedPoses
+from diagnosis.predictors.pose.pose_noise import PoseNoise
 
 ROW_S, ROWS = 0.05, 120
 TIMES = ROW_S * np.arange(ROWS)

@@ -1,0 +1,25 @@
+"""The error of logged headings, which is a function of the headings without it."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from physics.robot.model import applied
+from symolo.core.arrays import Array
+
+PASSES = 6
+"""Passes in which two quantities that depend on each other are computed, such as a heading and its error."""
+
+
+def heading_error_rad(functions: tuple[Callable[..., Array], ...], logged_rad: Array, time_s: Array) -> Array:
+    """Return the error of logged headings (n,) or (M, n), by the functions of the effects on it."""
+    error_rad = np.zeros_like(logged_rad)
+    for _ in range(PASSES):
+        error_rad = applied(functions, np.zeros_like(logged_rad), logged_rad - error_rad, time_s)
+    return error_rad
+
+
+def turned_by(pose: Array, turn_rad: Array) -> Array:
+    """Return poses (n, 3) or (M, n, 3) with other yaws in the same places."""
+    x_m, y_m, yaw_rad = np.moveaxis(pose, -1, 0)
+    return np.stack(np.broadcast_arrays(x_m, y_m, yaw_rad + turn_rad), axis=-1)
