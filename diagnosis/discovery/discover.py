@@ -47,9 +47,14 @@ MIN_ROWS = 12
 """Smallest number of samples of the fit with which a law is looked for."""
 
 
-def with_law(diagnosis: Diagnosis) -> Diagnosis:
-    """Return a diagnosis with the search for a law, if it leaves anything open; names and conclusion stay."""
-    if diagnosis.conclusion not in OPEN:
+def with_law(diagnosis: Diagnosis, *, always: bool = False) -> Diagnosis:
+    """Return a diagnosis with the search for a law; names and conclusion stay.
+
+    Args:
+        diagnosis: The diagnosis.
+        always: Whether a law is looked for even if the diagnosis leaves nothing open, to count false alarms.
+    """
+    if diagnosis.conclusion not in OPEN and not always:
         return replace(
             diagnosis, discovery=Discovery(None, "the diagnosis leaves nothing open, so that none is needed")
         )

@@ -14,6 +14,7 @@ from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 MIN_SHARE = 0.05
 """Least share of a motor's inertia and friction that remains when those of the body are subtracted."""
@@ -25,26 +26,29 @@ class DrivenStates:
     """States at the ends of T rows, and before the first."""
 
     pose: Array
-    """(T + 1, 3), x [m], y [m], yaw [rad] relative to the start."""
+    """(T + 1, 3), x [m], y [m], yaw [rad] in W."""
     counts: NDArray[np.int64]
     """(T + 1, 2), counts of the right and the left encoder."""
 
 
-Driver = Callable[[RobotConfig, Array, float], DrivenStates]
-"""Function that drives a robot from rest by voltages (T, 2), right and left, each held for a row of a length [s]."""
+ORIGIN = (0.0, 0.0, 0.0)
+Driver = Callable[[RobotConfig, Array, float, PlanarPose], DrivenStates]
+"""Function that drives a robot from rest at a pose by voltages (T, 2), right and left, each held for a row of a length
+[s].
+"""
 
 
-def by_pybullet(robot: RobotConfig, voltage_V: Array, row_s: float) -> DrivenStates:
+def by_pybullet(robot: RobotConfig, voltage_V: Array, row_s: float, start: PlanarPose = ORIGIN) -> DrivenStates:
     from physics.bullet.open_loop import open_loop  # noqa: PLC0415 - loads pybullet, which only this needs
 
-    states = open_loop(robot, voltage_V, row_s)
+    states = open_loop(robot, voltage_V, row_s, start)
     return DrivenStates(states.pose, states.counts)
 
 
-def by_twin(robot: RobotConfig, voltage_V: Array, row_s: float) -> DrivenStates:
+def by_twin(robot: RobotConfig, voltage_V: Array, row_s: float, start: PlanarPose = ORIGIN) -> DrivenStates:
     parts = max(1, round(row_s / TWIN_STEP_S))
     twin = KinematicTwin(RobotModel.from_config(robot), row_s / parts)
-    states = twin.drive(np.repeat(voltage_V, parts, axis=0)[:, None], np.zeros((1, 3)))
+    states = twin.drive(np.repeat(voltage_V, parts, axis=0)[:, None], np.array([start]))
     return DrivenStates(states.pose[::parts, 0], states.counts[::parts, 0])
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.engine.base import Driver, EngineStage, without_body
+from diagnosis.engine.base import ORIGIN, Driver, EngineStage, without_body
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.case_files.nominal import NominalDrive
@@ -20,11 +20,13 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body
+from diagnosis.predictors.pose.heading_error import turned_by
 from diagnosis.predictors.rows import good_values, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
 from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass(frozen=True)
@@ -114,14 +116,27 @@ class EngineDrive(EngineStage):
         """Return counts right and left and pose, (T + 1, 5); NaN after the last row of the trial."""
         rows = int(self._grid.places[trial][-1])
         states = self._driver(
-            without_body(robot) if self._is_case else robot, self._voltage_V[:rows, trial], self._grid.period_s
+            without_body(robot) if self._is_case else robot,
+            self._voltage_V[:rows, trial],
+            self._grid.period_s,
+            self._start(trial),
         )
         samples = np.full((len(self._voltage_V) + 1, 5), np.nan)
         samples[: rows + 1] = np.concatenate([states.counts, states.pose], axis=1)
         return samples
 
+    def _start(self, trial: int) -> PlanarPose:
+        """Return the first measured pose of a trial, since a floor may be another one at another place."""
+        begin = sum(self._rows[:trial])
+        poses = self._measured[begin : begin + self._rows[trial]]
+        known = poses[np.isfinite(poses).all(axis=1)]
+        x_m, y_m, yaw_rad = known[0].tolist() if len(known) else ORIGIN
+        return x_m, y_m, yaw_rad
+
     def _logged(self, robot: RobotConfig, pose: Array) -> Array:
         """Return poses (n, 3) as they would be logged, with the delay and the tracked point of the camera."""
         effects = stacked_effects([robot], axes=0)
         pose = earlier(pose, self._t_s, self._rows, applied(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
-        return applied(effects.functions(Slot.POSE_POINT), pose)
+        tracked = applied(effects.functions(Slot.POSE_POINT), pose)
+        errors = effects.functions(Slot.POSE_HEADING)
+        return turned_by(tracked, applied(errors, np.zeros(len(pose)), pose[:, 2], self._t_s)) if errors else tracked

@@ -43,10 +43,14 @@ class Grid:
 
     def zero_order_hold(self, trials: tuple[Trial, ...], name: str) -> Array:
         """Return a channel at every sample, (T, N); missing values are those of the row before, and 0 at the start."""
-        values = self.at_samples(np.concatenate([trial[name].values for trial in trials]))
-        number = np.arange(self.samples)[:, None]
-        last = np.maximum.accumulate(np.where(np.isfinite(values), number, -1))
-        return np.where(last >= 0, np.take_along_axis(values, np.maximum(last, 0), axis=0), 0.0)
+        return self.held(np.concatenate([trial[name].values for trial in trials]))
+
+    def held(self, values: Array) -> Array:
+        """Return values (n, ...) of the rows of all trials at every sample, (T, N, ...), held as a zero-order hold."""
+        samples = self.at_samples(values)
+        number = np.arange(self.samples).reshape(-1, *(1,) * (samples.ndim - 1))
+        last = np.maximum.accumulate(np.where(np.isfinite(samples), number, -1))
+        return np.where(last >= 0, np.take_along_axis(samples, np.maximum(last, 0), axis=0), 0.0)
 
     def at_samples(self, values: Array) -> Array:
         """Return values (n, ...) of the rows of all trials at the samples, (T, N, ...); NaN where there is no row."""

@@ -102,8 +102,8 @@ class Wheels:
         t_s, trials = joined(trial.t_s for trial in measurement.trials), [len(each.t_s) for each in measurement.trials]
         place_m = bridged(np.stack([good_values(measurement, name) for name in ("x_m", "y_m")], axis=-1), t_s, trials)
         counts = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in ("right", "left")], axis=-1)
-        x_m, y_m = (np.nan_to_num(self._grid.at_samples(place_m[:, k]))[..., None] for k in range(2))
-        return MeasuredRows(x_m, y_m, self._grid.at_samples(2.0 * pi / self._counts * counts))
+        held_m = self._grid.held(place_m)
+        return MeasuredRows(held_m[..., :1], held_m[..., 1:], self._grid.at_samples(2.0 * pi / self._counts * counts))
 
     def _keep_shares(self, nominal: RobotConfig) -> Iterator[float]:
         """Yield the share of its speed that each wheel keeps from row to row without a voltage."""

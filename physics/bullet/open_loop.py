@@ -11,6 +11,7 @@ from physics.bullet.simulation import BulletSimulation
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
+from symolo.core.geometry.poses import PlanarPose
 
 PHYSICS_HZ = 1000.0
 """Physics rate of the shipped scenarios; rows of any length are divided into steps of about this rate."""
@@ -33,13 +34,16 @@ class OpenLoopDrive:
     """(T + 1, 2), winding currents at the voltage of the row that ends."""
 
 
-def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: bool = False) -> OpenLoopDrive:
-    """Return the drive of a robot from rest at the origin.
+def open_loop(
+    robot: RobotConfig, voltage_V: Array, row_s: float, start: PlanarPose = (0.0, 0.0, 0.0), *, lifted: bool = False
+) -> OpenLoopDrive:
+    """Return the drive of a robot from rest.
 
     Args:
         robot: The robot with its effects.
         voltage_V: (T, 2), right and left, each constant for a row.
         row_s: Duration of a row; a row has a whole number of physics steps, at about PHYSICS_HZ.
+        start: Pose at the beginning.
         lifted: Whether the body is held above the floor.
 
     Raises:
@@ -51,7 +55,7 @@ def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: boo
     looks_hz = max(1, round(steps / row_s / STEPS_PER_CHECK))
     rates = Rates(physics_hz=looks_hz * STEPS_PER_CHECK, wheel_loop_hz=looks_hz, control_hz=1, camera_hz=1)
     rows = []
-    with BulletSimulation(robot, EMPTY, (0.0, 0.0, 0.0), rates) as world:
+    with BulletSimulation(robot, EMPTY, start, rates) as world:
         if lifted:
             world.lift()
         for right_V, left_V in [(0.0, 0.0), *voltage_V.tolist()]:

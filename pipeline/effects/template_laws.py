@@ -25,6 +25,7 @@ class Law:
 
 DRIVE, BENCH, RANGES, LINE = "Setup.DRIVE", "Setup.MOTOR_BENCH", "Setup.RANGE_BENCH", "Setup.LINE_LOG"
 MOTION = "from physics.drivetrain.motion import ShaftMotion"
+FLOOR = "from physics.robot.floor_place import FloorPlace"
 VIEW = "from sensors.ranging.range_view import RangeView"
 LAWS: Mapping[Slot, Law] = MappingProxyType(
     {
@@ -139,6 +140,28 @@ LAWS: Mapping[Slot, Law] = MappingProxyType(
             "share: Array, speed_m_s: Array, yaw_rate_rad_s: Array",
             "share / (1.0 + self.coefficient_s_rad * np.abs(yaw_rate_rad_s))",
         ),
+        Slot.TRAVEL: Law(
+            "A floor that is slippery in its left half.",
+            "polish, dust or water on a part of the floor",
+            "drives over both parts of the floor, with poses and counts",
+            DRIVE,
+            'lost: Annotated[float, Parameter("1", null=0.0, start=0.05, low=0.0, high=0.9)]',
+            "Lost share of the travel where y > 0.",
+            "share: Array, place: FloorPlace",
+            "share * np.where(place.y_m > 0.0, 1.0 - self.lost, 1.0)",
+            (FLOOR,),
+        ),
+        Slot.TURNING: Law(
+            "Turns that become smaller with time.",
+            "tyres that widen as they get warm",
+            "turns at the beginning and after some minutes",
+            DRIVE,
+            'lost: Annotated[float, Parameter("1", null=0.0, start=0.05, low=0.0, high=0.5)]',
+            "Lost share of the yaw rate after a long time; half of it is lost after a minute.",
+            "share: Array, place: FloorPlace",
+            "share * (1.0 - self.lost * place.time_s / (place.time_s + 60.0))",
+            (FLOOR,),
+        ),
         Slot.COUNTING: Law(
             "Encoders that lose a share of their counts.",
             "a weak pull-up resistor",
@@ -228,6 +251,16 @@ LAWS: Mapping[Slot, Law] = MappingProxyType(
             "Logged over true position; the heading is right.",
             "pose: Array",
             "pose + (self.scale - 1.0) * pose * np.array([1.0, 1.0, 0.0])",
+        ),
+        Slot.POSE_HEADING: Law(
+            "A heading that is wrong by an amount that depends on it.",
+            "iron near a compass",
+            "drives in all directions",
+            DRIVE,
+            'swing_rad: Annotated[float, Parameter("rad", null=0.0, start=0.05, low=-0.5, high=0.5)]',
+            "Error at the headings 0 and 180 degrees, which is the opposite at 90 degrees.",
+            "error_rad: Array, yaw_rad: Array, time_s: float | Array",
+            "error_rad + self.swing_rad * np.cos(2.0 * yaw_rad)",
         ),
         Slot.POSE_DELAY: Law(
             "Poses that are late after the start, until the tracking system has caught up.",

@@ -107,6 +107,7 @@ def main() -> None:
     parser.add_argument("--nothing", type=int, default=60, help="cases with nothing hidden")
     parser.add_argument("--kinds", nargs="+", choices=EXAMINED, default=BENCHES, help="kinds of cases, in turn")
     parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--always", action="store_true", help="search even where the diagnosis leaves nothing open")
     parser.add_argument("--out", type=Path, required=True, help="file of the results, one line a case")
     args = parser.parse_args()
     results = [json.loads(line) for line in args.out.read_text().splitlines()] if args.out.exists() else []
@@ -114,7 +115,7 @@ def main() -> None:
     with args.out.open("a", encoding="utf-8") as file:
         for case, kind, names in dealt(args.cases, args.nothing, args.kinds):
             if case not in known:
-                results.append(judged(case, kind, names, args.seed))
+                results.append(judged(case, kind, names, args.seed, always=args.always))
                 print(json.dumps(results[-1]), file=file, flush=True)
     for line in figures(results):
         print(line)
@@ -131,7 +132,7 @@ def dealt(cases: int, nothing: int, kinds: Sequence[str]) -> Iterator[tuple[str,
         yield f"{category}_{k + 1:03d}", kind, names
 
 
-def judged(case: str, kind: str, names: Sequence[str], seed: int) -> Result:
+def judged(case: str, kind: str, names: Sequence[str], seed: int, *, always: bool = False) -> Result:
     """Draw one case, diagnose it with a search for a law, and judge the law."""
     category, _, number = case.partition("_")
     rng = np.random.default_rng([seed, EXAMINED.index(kind), category == "none", int(number)])
@@ -146,7 +147,7 @@ def judged(case: str, kind: str, names: Sequence[str], seed: int) -> Result:
     begin = process_time()
     before = diagnose(measurement)
     middle = process_time()
-    diagnosis = with_law(before)
+    diagnosis = with_law(before, always=always)
     after = process_time()
     law, discovery = diagnosis.law, diagnosis.discovery
     return {
@@ -156,7 +157,7 @@ def judged(case: str, kind: str, names: Sequence[str], seed: int) -> Result:
         "parameters": variant.outside[0].parameters if variant.outside else {},
         "conclusion": str(diagnosis.conclusion),
         "named": list(diagnosis.names),
-        "searched": diagnosis.conclusion in OPEN,
+        "searched": always or diagnosis.conclusion in OPEN,
         "law": law.form.label if law else "",
         "values": dict(law.values) if law else {},
         "is_curve": law.is_curve if law else False,

@@ -7,7 +7,7 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from diagnosis.engine.base import by_pybullet, without_body
+from diagnosis.engine.base import by_pybullet, by_twin, without_body
 from diagnosis.engine.gain import compare_engines
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
@@ -73,3 +73,12 @@ def test_what_cannot_be_driven_says_why(robot):
     comparison = compare_engines(read_measurement(Path("table-3"), IMPORTERS), robot, robot)
     assert "nothing moves" in comparison.why_not
     assert comparison.engines == ()
+
+
+def test_both_engines_start_where_the_robot_was(robot):
+    """A floor may be another one at another place, so that the path is that of the room and not of the origin."""
+    start, volts = (1.2, -0.4, 0.5 * np.pi), np.full((20, 2), 3.0)
+    for drive in (by_pybullet, by_twin):
+        ahead, there = drive(robot, volts, 0.05).pose, drive(robot, volts, 0.05, start).pose
+        np.testing.assert_allclose(there[:, :2], np.array(start[:2]) + ahead[:, 1::-1] * [-1.0, 1.0], atol=2e-3)
+        np.testing.assert_allclose(there[:, 2], start[2] + ahead[:, 2], atol=2e-3)
