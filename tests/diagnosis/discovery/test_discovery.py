@@ -177,6 +177,9 @@ def test_where_nothing_is_hidden_no_law_is_invented(diagnosis_of):
     assert diagnosis.conclusion is CaseVerdict.EXPLAINED
     assert diagnosis.discovery.reason == "the diagnosis leaves nothing open, so that none is needed"
     assert diagnosis.extended.effects.get(diagnosis_of("power").law.effect.kind) is None
+    searched = with_law(diagnosis, always=True).discovery
+    assert searched.law is None
+    assert "is refused" in searched.reason
 
 
 def test_the_files_hold_the_law_as_an_effect_that_keeps_the_rules(diagnosis_of, tmp_path):
