@@ -12,7 +12,7 @@ from diagnosis.discovery.motor_places import of_motor, of_wheels
 from diagnosis.discovery.place import STEP, TIMES, LawPlace, QuantityRead, varying
 from diagnosis.discovery.pose_places import of_pose
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.measured.case_format import RANGE_SIDES
+from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind
 
 RANGE_CHANNEL = "tof_m"

@@ -48,7 +48,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     several = {
         (effect, choices): CandidateEffect.on_top_of(hypothesis.nominal, effect, choices)
         for effect in EFFECTS.classes()
-        # What is random moves no prediction; see `inference.unexplained.random_drift` and `posterior.slip`.
+        # What is random moves no prediction; see `inference.unexplained.drift.random_drift` and `posterior.slip`.
         if not setups.isdisjoint(effect.setups) and effect.slot not in RANDOM_SLOTS
         for choices in _choices(effect, measurement)
     }

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.measured.case_files.nominal import NominalDrive, NominalLog
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive, NominalLog
 from diagnosis.measured.screening import noise_of
 
 MIN_NOISE = 1e-6

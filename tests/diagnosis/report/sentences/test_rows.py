@@ -16,7 +16,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.report.sentences import rows
 from diagnosis.report.sentences.rows import of_the_log, row_sentences, too_large
 from diagnosis.report.verdict import headline
-from symolo.core.time_series import TimeSeries
+from symolo.core.tables.time_series import TimeSeries
 
 
 @pytest.fixture(scope="module")
