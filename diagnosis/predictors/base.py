@@ -89,6 +89,8 @@ class InputResponse:
     """Description for reports, such as `gain of the voltage`."""
     response: Array
     """(n,), change of the prediction by a small error, in any unit that the quantities of a stage share."""
+    chosen: int = 0
+    """Numbers that are chosen for it, such as a threshold of which several are tried."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,8 @@ class Observed:
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
+    numbers_may_drift: bool = False
+    """Whether a nominal number that drifts over the session is tried as a cause in no list."""
     count_noise: CountNoise | None = field(default=None, compare=False, repr=False)
     """Noise of speeds that are computed from counts; None if the noise is that of `sd` and `correlation` alone."""
     early: EarlyVoltages | None = None

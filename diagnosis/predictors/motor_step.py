@@ -72,7 +72,9 @@ class MotorStep:
             for size, response in ((None, by_current), (speed, by_speed))
         )
         self.observed: tuple[Observed, ...] = tuple(
-            replace(observed_channel(measurement, name, everywhere, covariates), input_errors=errors)
+            replace(
+                observed_channel(measurement, name, everywhere, covariates), input_errors=errors, numbers_may_drift=True
+            )
             for name, covariates, errors in zip(
                 ("current_A", "omega_rad_s"), (of_current, of_speed), input_errors, strict=True
             )

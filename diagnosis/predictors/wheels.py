@@ -14,7 +14,7 @@ from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.predictors.as_commanded import as_commanded
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.base import Covariate, CovariateShape, InputResponse, Observed, Predicted
 from diagnosis.predictors.count_noise import CountNoise, continued
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
@@ -61,6 +61,8 @@ MIN_INERTIA_KG_M2 = 1e-12
 """Least inertia; a motor without inertia follows its voltage at once."""
 ERROR_SHARE = 0.1
 """Error by the division that does not matter, as a share of the noise."""
+DEAD_ZONES = tuple(np.geomspace(0.01, 0.16, 25).tolist())
+"""Widths of dead zones of the voltage that are tried, as shares of the supply's voltage."""
 
 
 class Wheels:
@@ -86,10 +88,14 @@ class Wheels:
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
-        early = self._early_voltages(measurement, nominal)
+        early, dead_zones = self._early_voltages(measurement, nominal), self._dead_zones(nominal)
         observed = (
-            replace(self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S), early=each)
-            for side, speed, set_speed, each in zip(SIDES, speeds, set_speeds, early, strict=True)
+            replace(
+                self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S),
+                early=each,
+                input_errors=errors,
+            )
+            for side, speed, set_speed, each, errors in zip(SIDES, speeds, set_speeds, early, dead_zones, strict=True)
         )
         keep_shares = self._keep_shares(nominal)
         self.observed: tuple[Observed, ...] = tuple(
@@ -141,6 +147,23 @@ class Wheels:
     def _early_changes(self, by_shape: Sequence[Array], parts: int, side: int, robot: RobotConfig) -> Array:
         """Return the changes (2, n) of the speeds of a wheel by voltages that act early."""
         return np.nan_to_num(np.diff([self._speeds_by([robot], each, parts)[0, side] for each in by_shape], axis=0))
+
+    def _dead_zones(self, nominal: RobotConfig) -> tuple[tuple[InputResponse, ...], ...]:
+        """Return the responses of the left and the right wheel to bridges that ignore voltages below a threshold."""
+        widths_V = nominal.power.battery_voltage_V * np.array([0.0, *DEAD_ZONES])
+        voltage_V = self._voltage_V[:, None]
+        ignored = np.abs(voltage_V) <= widths_V[:, None, None]
+        trials = len(self._grid.begins_s)
+        side_by_side = np.where(ignored, 0.0, voltage_V).reshape(len(voltage_V), -1, len(SIDES))
+        model = RobotModel.from_config(stacked([nominal], axes=2))
+        begins_s = np.tile(self._grid.begins_s, len(widths_V))
+        turned = counted_turns(model, side_by_side, self._grid.period_s, begins_s, self._load, self._parts)
+        speeds = self._mean_speeds(turned.reshape(len(turned), len(widths_V), trials, len(SIDES)))
+        changes = np.nan_to_num(speeds[1:] - speeds[0])
+        what = "dead zone of the voltage"
+        return tuple(
+            tuple(InputResponse("u_V", what, change, chosen=1) for change in changes[:, side]) for side in range(2)
+        )
 
     def _steps_within_rows_V(self, measurement: Measurement) -> Array:
         """Return the changes (T, N, 2) of the voltages within rows, as far as they may act early in the row's mean."""
@@ -243,8 +266,7 @@ class Wheels:
 
     def _speeds_by(self, robots: Sequence[RobotConfig], voltage_V: Array, parts: int) -> Array:
         """Return the same with voltages (T parts, N, 2) that are constant in each part of a row."""
-        rows = sum(len(place) for place in self._grid.places)
-        speeds = np.full((len(robots), len(SIDES), rows), np.nan)
+        speeds = np.empty((len(robots), len(SIDES), sum(len(place) for place in self._grid.places)))
         for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(
@@ -253,11 +275,15 @@ class Wheels:
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale
-            counted = np.concatenate([np.zeros_like(turned[:1]), np.cumsum(turned, axis=0)])
-            for side, wheel in enumerate((1, 0)):
-                angle = self._grid.of_rows(counted[..., wheel])
-                speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
-                speeds[np.array(group)[:, None], side, self._first] = speed
+            speeds[group] = self._mean_speeds(turned)
+        return speeds
+
+    def _mean_speeds(self, turned_rad: Array) -> Array:
+        """Return the mean speeds of the left and the right wheel (..., 2, n) from the turns (T, ..., N, 2) in rows."""
+        counted = np.concatenate([np.zeros_like(turned_rad[:1]), np.cumsum(turned_rad, axis=0)])
+        angle = np.stack([self._grid.of_rows(counted[..., wheel]) for wheel in (1, 0)], axis=-2)
+        speeds = np.full(angle.shape, np.nan)
+        speeds[..., self._first] = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
         return speeds
 
 

@@ -89,7 +89,8 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         rank=rank,
         basis=columns,
         size=float(np.sqrt(max(0.0, named - squares) / np.count_nonzero(root))),
-        is_over_time=True,
+        # Speeds from counts have no zero that may drift: a jump of them has a cause, even if rows show little of it.
+        is_over_time=observed.count_noise is None,
     )
 
 

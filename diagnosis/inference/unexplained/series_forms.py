@@ -3,7 +3,9 @@
 A residual of a time series lasts for many rows, so that a curve of any shape would go through it by chance. But an
 error of the input, or a nominal number that changes during the session, shows in all quantities of a stage at once, and
 the model itself says how: by its response to the input, or to the number. Two or three effects of the list may imitate
-that together, and then leave no structure. Like the forms of a bench (`forms`), these have a single number, their size.
+that together, and then leave no structure. Like the forms of a bench (`forms`), these have few numbers: their size, and
+for a dead zone of the voltage its width. In a drive, the effects that depend on the time are rivals enough of a number
+that drifts.
 """
 
 from collections.abc import Iterator
@@ -29,15 +31,17 @@ def series_forms(evidence: Evidence, fit: HypothesisFit) -> Iterator[tuple[int, 
         first += len(stage.observed)
         if any(observed.input_errors for observed in stage.observed):
             yield from _input_errors(evidence, fit, quantities)
+        if any(observed.numbers_may_drift for observed in stage.observed):
             yield from _drifting_numbers(evidence, fit, quantities)
 
 
 def _input_errors(evidence: Evidence, fit: HypothesisFit, quantities: range) -> Iterator[tuple[int, Form, Array]]:
     for errors in zip(*(evidence.observed[k].input_errors for k in quantities), strict=True):
-        column = np.zeros(len(fit.z))
+        change = np.zeros(len(fit.z))
         for k, error in zip(quantities, errors, strict=True):
-            column[evidence.places[k]] = error.response / fit.sd[evidence.places[k]]
-        yield _of_stage(evidence, quantities, errors[0].covariate, errors[0].what, column)
+            change[evidence.places[k]] = error.response
+        first, column = errors[0], evidence.whitened(change) / fit.sd
+        yield _of_stage(evidence, quantities, first.covariate, first.what, column, first.chosen)
 
 
 def _drifting_numbers(evidence: Evidence, fit: HypothesisFit, quantities: range) -> Iterator[tuple[int, Form, Array]]:
@@ -56,11 +60,11 @@ def _drifting_numbers(evidence: Evidence, fit: HypothesisFit, quantities: range)
             yield _of_stage(evidence, quantities, SESSION_TIME, f"{nuisance.name} that drifts", column)
 
 
-def _of_stage(
-    evidence: Evidence, quantities: range, covariate: str, what: str, column: Array
+def _of_stage(  # noqa: PLR0917 - a form, and the quantities that it changes
+    evidence: Evidence, quantities: range, covariate: str, what: str, column: Array, chosen: int = 0
 ) -> tuple[int, Form, Array]:
     """Return a form of the quantity that it changes most."""
     squares = np.where(evidence.fit, evidence.weight * column**2, 0.0)
     most = max(quantities, key=lambda k: float(squares[evidence.places[k]].sum()))
     rank = [each.name for each in evidence.observed[most].covariates].index(covariate)
-    return most, Form(covariate, rank, what, 0, column[evidence.places[most]]), column
+    return most, Form(covariate, rank, what, chosen, column[evidence.places[most]]), column

@@ -14,6 +14,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
+from diagnosis.predictors.wheels import DEAD_ZONES
 from physics.effects.driver_and_battery.battery_decline import BatteryDecline
 from physics.effects.driver_and_battery.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.driver_and_battery.input_delay import InputDelay
@@ -153,6 +154,16 @@ class TestWheels:
         left, right = means(wheels, robot)
         np.testing.assert_allclose(right, self.run_up(), rtol=1e-9)
         np.testing.assert_allclose(left, -self.run_up(), rtol=1e-9)
+
+    def test_a_dead_zone_that_is_wider_than_a_voltage_takes_all_of_the_speed(self, robot):
+        """The voltage is 10 % of the supply's."""
+        voltage = np.append(np.full(self.ROWS - 1, 0.1 * 7.4), math.nan)
+        turned = {name: np.zeros(self.ROWS) for name in ("enc_left_ticks", "enc_right_ticks")}
+        left, right = stages(robot, trial("1", u_left_V=-voltage, u_right_V=voltage, **turned))["wheels"].observed
+        lost = self.run_up((K * 0.1 * 7.4 / R - TC) / DAMPING)[:-1]
+        for width, of_left, of_right in zip(DEAD_ZONES, left.input_errors, right.input_errors, strict=True):
+            np.testing.assert_allclose(of_left.response[:-1], lost * (width > 0.1), rtol=1e-9, atol=1e-12)
+            np.testing.assert_allclose(of_right.response[:-1], -lost * (width > 0.1), rtol=1e-9, atol=1e-12)
 
     @pytest.mark.parametrize("begins_s", [0.033, 0.048])
     def test_a_step_within_a_row_is_seen_where_the_finer_voltages_are_known(self, robot, begins_s):

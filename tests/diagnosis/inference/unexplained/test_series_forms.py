@@ -7,6 +7,7 @@ import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.unexplained.adequacy import Adequacy
 from diagnosis.inference.unexplained.unlisted import BETTER, advantage, best_form, with_forms
 from diagnosis.predictors.base import InputResponse
@@ -22,7 +23,7 @@ def series(evidence_of, readings, heldout=0):
     """Evidence of a log whose input may be wrong by a share that depends on its rise or fall."""
     (stage,) = evidence_of(X, readings + NOISE_A, heldout, session_time_s=TIME_S).stages
     error = InputResponse("x", "gain that depends on rise or fall", RISES * X)
-    stage.observed = (replace(stage.observed[0], input_errors=(error,)),)
+    stage.observed = (replace(stage.observed[0], input_errors=(error,), numbers_may_drift=True),)
     return Evidence((stage,))
 
 
@@ -70,3 +71,14 @@ def test_held_out_trials_of_a_time_series_do_not_decide_between_a_form_and_a_nam
         named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_gain")))
         several.append(advantage(evidence, fitted(evidence, hypothesis), named))
     assert several[0] == pytest.approx(several[1])
+
+
+def test_a_number_that_was_chosen_for_an_error_of_the_input_has_the_penalty_of_a_parameter(evidence_of, hypothesis):
+    falls = []
+    for chosen in (0, 1):
+        (stage,) = series(evidence_of, X + 0.2 * RISES * X).stages
+        (error,) = stage.observed[0].input_errors
+        stage.observed = (replace(stage.observed[0], input_errors=(replace(error, chosen=chosen),)),)
+        evidence = Evidence((stage,))
+        falls.append(best_form(evidence, fitted(evidence, hypothesis)).fall)
+    assert falls[0] - falls[1] == pytest.approx(PARAMETER_PENALTY)

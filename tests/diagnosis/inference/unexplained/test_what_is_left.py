@@ -14,6 +14,7 @@ from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
+from diagnosis.predictors.count_noise import CountNoise
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)
@@ -117,6 +118,25 @@ def test_a_nominal_number_that_jumps_explains_all_quantities_at_once(evidence_of
     found = change_in_time(evidence, fitted(evidence, hypothesis), named)
     assert found is not None
     assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=2.0)
+
+
+@pytest.mark.parametrize("is_counted", [True, False])
+def test_a_jump_of_half_a_sigma_may_be_the_drift_of_a_zero_but_counts_have_none(
+    evidence_of, hypothesis, effect, is_counted
+):
+    generator = np.random.default_rng(7)
+    x, when = np.linspace(-1.0, 1.0, 1000), generator.permutation(1000).astype(float)
+    readings = x + 0.5 * SD_A * (when >= 400.0) + SD_A * generator.standard_normal(1000)
+    (stage,) = evidence_of(x, readings, t_s=when).stages
+    apart, known = np.zeros(1000, dtype=bool), np.ones(1000, dtype=bool)
+    counted = CountNoise(np.full(1000, 0.8 * SD_A), apart, known, 1e-6, SD_A)
+    stage.observed = (replace(stage.observed[0], count_noise=counted if is_counted else None),)
+    evidence = Evidence((stage,))
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_offset")))
+    found = change_in_time(evidence, fitted(evidence, hypothesis), named)
+    assert found is not None
+    assert found.size < 1.0
+    assert Adequacy((found,)).has_cause == is_counted
 
 
 @pytest.mark.parametrize(("what", "is_found"), [("nothing", True), ("another stage", True), ("same stage", False)])
