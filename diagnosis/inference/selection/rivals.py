@@ -26,7 +26,7 @@ from diagnosis.inference.fitting.likelihood import LEVELS
 from diagnosis.inference.selection.penalty import parameter_penalty
 from diagnosis.inference.selection.refusal import STATED_WITHIN, is_negligible, is_within_statement, needed, refusal
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.selection.stepwise import replaced
+from diagnosis.inference.selection.stepwise import BEAM_SAMPLES, IMITATES, extended, replaced
 from diagnosis.inference.unexplained.unlisted import advantage
 from sensors.effects.range_sensor.noise_scale import NoiseScale
 from sensors.effects.range_sensor.range_wander import RangeWander
@@ -38,6 +38,8 @@ STATEMENT = f"a stated noise that is wrong by a factor of {STATED_WITHIN:g}"
 NEAR = 20.0
 """Rise of the cost up to which a rival is fitted to all rows; at the end of it, its weight is below a hundredth of the
 name's."""
+RIVALS_IN_PAIRS = 2
+"""Number of near rivals that are fitted with another effect."""
 FORM = "an error of simple form, whose cause is in no list,"
 SECOND = 6.0
 """Rise of the cost that counts as much as that two given effects are rarer than one: twice the logarithm of the number
@@ -127,9 +129,10 @@ def compare_rivals(
         # Only a rival that would win must pass the tests of the selection; others are reported as they are.
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
+    beside = pairs or _pairs_of_rivals(evidence, fit, rivals, effects)
     others = [
         (FORM, -advantage(evidence, base, fit)),
-        *_of_pairs(evidence, fit, pairs),
+        *_of_pairs(evidence, fit, beside),
         *_of_statement(evidence, fit, effect),
     ]
     # A noise at the end of its range is more than a wrong statement, so that something else is behind it.
@@ -181,6 +184,21 @@ def _fitted_to_all_rows(evidence: Evidence, several: Sequence[HypothesisFit]) ->
     all_rows = evidence.with_rows(fit=evidence.fit | evidence.heldout, heldout=none)
     refits = fits_of_contests([Contest(all_rows, [(fit.hypothesis, fit.x)]) for fit in several])
     return [refit.cost for (refit,) in refits]
+
+
+def _pairs_of_rivals(
+    evidence: Evidence, fit: HypothesisFit, rivals: Sequence[Rival], effects: Sequence[CandidateEffect]
+) -> list[HypothesisFit]:
+    """Return pairs of a near rival and another effect, where a number far off beside a single name may hide the other.
+
+    With few rows, the selection has compared pairs already.
+    """
+    imitated = float(np.abs(fit.x[: len(fit.hypothesis.nuisances)]).max(initial=0.0)) >= IMITATES
+    if len(fit.hypothesis.effects) != 1 or not imitated or np.count_nonzero(evidence.fit) <= BEAM_SAMPLES:
+        return []
+    others = [effect for effect in effects if effect.kind is not fit.hypothesis.effects[0].kind]
+    near = sorted((rival for rival in rivals if rival.worse < NEAR), key=lambda rival: rival.worse)
+    return [pair for rival in near[:RIVALS_IN_PAIRS] for pair in extended(evidence, rival.fit, others)]
 
 
 def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:

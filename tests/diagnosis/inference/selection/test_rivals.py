@@ -81,6 +81,25 @@ def test_two_effects_that_explain_as_much_as_one_leave_it_less_sure(bench, effec
     assert compare_rivals(evidence, fit, gain, [gain], pairs=[with_itself]).confidence == alone.confidence
 
 
+@pytest.mark.parametrize(("tolerances", "is_rival"), [(4.0, True), (1.0, False)])
+def test_a_number_far_off_beside_a_name_may_be_a_second_effect_beside_a_rival(
+    evidence_of, hypothesis, effect, tolerances, is_rival
+):
+    """Gain and torque constant scale every reading alike. The zero, with a tolerance of 2 mA, is 4 tolerances off."""
+    x, tolerance_A = np.linspace(-1.0, 1.0, 2400), 2e-3
+    noise = np.random.default_rng(9).standard_normal(2400)
+    evidence = evidence_of(x, 1.3 * x + tolerances * tolerance_A + SD_A * (noise - noise.mean()))
+    zero = Nuisance("zero", 0.0, tolerance_A, "A", lambda robot, _value: robot, np.full(2400, tolerance_A))
+    gain, *others = (effect(name) for name in ("current_sensor_gain", "torque_constant_scale", "current_sensor_offset"))
+    model = replace(hypothesis, nuisances=(*hypothesis.nuisances, zero)).with_effect(gain)
+    (fit,) = fits(evidence, [(model, model.null())])
+    found = dict(compare_rivals(evidence, fit, gain, [gain, *others]).others)
+    # Without the prior of the zero, whose share of the information is that of one reading in a hundred.
+    rise = PARAMETER_PENALTY + SECOND - tolerances**2 / (1.0 + (SD_A / tolerance_A) ** 2 / 2400)
+    expected = {"torque_constant_scale and current_sensor_offset together": pytest.approx(rise, abs=0.1)}
+    assert {name: worse for name, worse in found.items() if "together" in name} == (expected if is_rival else {})
+
+
 def test_two_effects_compete_with_two_others_but_not_with_a_pair_that_shares_one(bench, effect):
     """A pair that shares an effect is among the rivals of the other one, and must not count twice."""
     evidence, fit, gain = bench
