@@ -115,6 +115,17 @@ def by_other_rows(values: Array, trial: NDArray[np.int64]) -> Array:
     return 0.5 * (values[before] + values[after])
 
 
+def step_by_other_rows(values: Array, trial: NDArray[np.int64]) -> Array:
+    """Return the mean change from row to row of values (n, ...), by the rows APART before and after.
+
+    Where one of these is missing or of another trial, it is NaN.
+    """
+    step, middle = np.full(values.shape, np.nan), np.arange(APART, len(values) - APART)
+    inside = middle[trial[middle - APART] == trial[middle + APART]]
+    step[inside] = (values[inside + APART] - values[inside - APART]) / (2.0 * APART)
+    return step
+
+
 def bridged(values: Array, t_s: Array, trials: Sequence[int]) -> Array:
     """Return values (n, k) with gaps within a trial interpolated; 0 in a trial without values."""
     filled, begin = np.zeros_like(values), 0

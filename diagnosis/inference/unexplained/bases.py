@@ -126,7 +126,7 @@ def _turns(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         for basis in _enough(columns, what):
             yield replace(basis, tries=tries)
         if size is not None:
-            for basis in _enough(columns * size, f"{what}, times the speed"):
+            for basis in _enough(columns * size, f"{what}, in proportion to the motion"):
                 yield replace(basis, tries=tries)
 
 

@@ -281,18 +281,20 @@ class Pose:
         trial = trial_of_rows(measurement)[first]
         moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
         lasts_s = self._t_s[last] - self._t_s[first]
-        place = Covariate("position", log[first, 0], second=log[first, 1])
         covariates = (
             Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
             Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
-            Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
-            place,
+            Covariate("theta_rad", log[middle, 2], CovariateShape.PERIODIC),
+            Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
             Covariate("session_time_s", session_time_s(measurement)[middle]),
             trial_covariate(measurement, first),
             Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
             Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
         )
+        # Where the floor is slippery, a share of each motion is lost. A tracked heading that is wrong by a function of
+        # the heading changes turns by the derivative of this function, and turns the motion forward to the side.
+        sizes = {"position": tuple(predicted.T), "theta_rad": (None, predicted[:, 0], predicted[:, 2])}
         sds, correlations, of_poses = self._noise(measurement, nominal)
         # A place is seen from the body, which has turned until the later window begins.
         alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
@@ -318,8 +320,7 @@ class Pose:
                 t_s=self._t_s[first],
                 holdout=holdout,
                 usable=usable,
-                # Where the floor is slippery, a share of each motion is lost.
-                covariates=tuple(replace(c, size=predicted[:, k]) if c is place else c for c in covariates),
+                covariates=tuple(replace(c, size=sizes[c.name][k]) if c.name in sizes else c for c in covariates),
                 samples=f"windows of {WINDOW} rows, of which one begins at every {STRIDE}th row,",
             )
             for k, (name, unit) in enumerate(COMPONENTS)

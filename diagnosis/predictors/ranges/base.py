@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
@@ -135,6 +136,11 @@ class Ranges(ABC):
         # Rows may repeat a reading until the next one, and those that do not count have no distance.
         return distance_m
 
+    def _changes(self, distance_m: Array, trial: NDArray[np.int64]) -> tuple[Covariate, ...]:
+        """Return covariates for how a distance (n,) changes from row to row; none where rows may repeat a reading."""
+        del distance_m, trial
+        return ()
+
     def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
         """Return the logged poses."""
         del nominal
@@ -162,6 +168,7 @@ class Ranges(ABC):
         covariates = (
             Covariate("distance_m", by_other_rows(nominal.mean, trial_of_rows(measurement)), max_waves=MAX_WAVES),
             *around,
+            *self._changes(nominal.mean, trial_of_rows(measurement)),
             Covariate("position", x_m, second=y_m),
             Covariate("theta_rad", theta_rad, CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
@@ -11,11 +12,12 @@ from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.room_distances import WALLS, RoomRanges, near_corner, room_ranges
+from diagnosis.predictors.base import Covariate
 from diagnosis.predictors.pose.guided_pose import wheel_steps
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
-from diagnosis.predictors.rows import trial_of_rows
+from diagnosis.predictors.rows import step_by_other_rows, trial_of_rows
 from physics.robot.model import applied
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array
@@ -47,6 +49,9 @@ class RangesInRoom(Ranges):
 
     def _axle_of(self, measurement: Measurement, nominal: RobotConfig) -> TrackedAxle:
         return TrackedAxle(measurement, steps=wheel_steps(measurement, nominal))
+
+    def _changes(self, distance_m: Array, trial: NDArray[np.int64]) -> tuple[Covariate, ...]:
+        return (Covariate("distance_step_m", step_by_other_rows(distance_m, trial)),)
 
     def _around(self, nominal: RobotConfig) -> Surroundings:
         seen, noise = self._seen([nominal]), self._noise
