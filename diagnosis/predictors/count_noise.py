@@ -37,7 +37,9 @@ class Whitening:
     """The filter for one level of the random torque."""
 
     sd: float
-    """Standard deviation of a speed."""
+    """Standard deviation of a speed, as it is stated."""
+    level: float
+    """Standard deviation of a speed by rounding and torque, relative to `sd`."""
     keep: Array
     """(n,), share of a speed's error that the next one keeps; 0 at the beginning of a run of rows."""
     factor: Array
@@ -141,4 +143,5 @@ class CountNoise:
         bands[1, :-1] = shared - keep[1:] * own[:-1] + np.where(on, torque**2 * (next_to - self.keep), 0.0)
         bands[1, 1:-1] += keep[2:] * keep[1:-1] * shared[:-1]
         bands[2, :-2] = -keep[2:] * shared[:-1]
-        return Whitening(self.stated, keep, cholesky_banded(bands, lower=True), self.known)
+        level = float(np.hypot(torque, np.median(self.rounding))) / self.stated
+        return Whitening(self.stated, level, keep, cholesky_banded(bands, lower=True), self.known)

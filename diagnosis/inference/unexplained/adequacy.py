@@ -184,7 +184,10 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
     """Yield the outliers of a quantity that gather along each covariate, where there are any."""
     quantity, place = evidence.observed[number], evidence.places[number]
     # Outliers are readings. What a motor does for a row lasts longer in its speed, unlike an error of the logger.
-    rows, z = evidence.fit[place], evidence.unwhitened(number, tangents.z[place])
+    rows, whitening = evidence.fit[place], evidence.whitenings[number]
+    z = evidence.unwhitened(number, tangents.z[place])
+    # A speed may scatter more than stated, by a larger torque, whose errors neighbours have in common.
+    z = z if whitening is None else z / max(whitening.level, 1.0)
     for rank, covariate in enumerate(quantity.covariates):
         found = cluster(z, covariate, rows, quantity.trial if quantity.is_series else None)
         if found is None:

@@ -62,6 +62,12 @@ def test_speeds_that_are_not_known_say_nothing_about_the_others():
     assert noise.whitening(torque).of(residual)[kept] == pytest.approx(expected, rel=1e-4, abs=1e-4)
 
 
+def test_the_level_is_that_of_a_speed_by_both_parts_relative_to_the_statement():
+    noise = noise_of(50, 3.0, 4.0)
+    assert noise.whitening(4.0).level == pytest.approx(1.0)
+    assert noise.whitening(9.0).level == pytest.approx(np.sqrt(90.0) / 5.0)
+
+
 def test_innovations_have_speeds_again():
     whitening = noise_of(50, 1.0, 0.5, starts=(0, 25)).whitening(0.5)
     residual = np.random.default_rng(3).standard_normal(50)

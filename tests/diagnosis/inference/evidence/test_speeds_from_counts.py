@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.gain import gain
+from diagnosis.inference.unexplained.adequacy import CLUSTER, adequacy
 from diagnosis.nuisances import Nuisance
-from diagnosis.predictors.base import Observed, Predicted
+from diagnosis.predictors.base import Covariate, Observed, Predicted
 from diagnosis.predictors.count_noise import CountNoise
 
 ROWS, ROUNDING, TORQUE = 400, 0.04, 0.01
@@ -88,3 +89,24 @@ def test_a_step_and_its_error_are_those_of_generalised_least_squares(evidence, r
 def test_readings_and_their_errors_are_as_measured_again(evidence):
     assert evidence.as_measured().values is evidence.readings
     assert evidence.unwhitened(0, evidence.values) == pytest.approx(evidence.readings, abs=1e-12)
+
+
+def test_a_torque_that_scatters_twice_as_much_as_stated_makes_no_outliers_of_neighbours(evidence, robot):
+    """Neighbours have its error in common, so that speeds far off by the statement come in groups."""
+    (observed,) = evidence.observed
+    noise = replace(observed.count_noise, rounding=np.full(ROWS, 0.2 * observed.sd[0]), keep=0.9)
+    torque = 2.0 * observed.sd[0]
+    clusters = 0
+    for seed in range(10):
+        innovations = observed.sd[0] * np.random.default_rng(seed).standard_normal(ROWS)
+        speeds = replace(
+            observed,
+            values=noise.whitening(torque).undone(innovations),
+            count_noise=noise,
+            covariates=(Covariate("t_s", observed.t_s),),
+        )
+        noisier = Evidence([Standing((speeds,))], {speeds.name: EstimatedNoise(1.0, 0.0, torque=torque)})
+        bare = Hypothesis(robot, ())
+        (fit,) = fits(noisier, [(bare, bare.null())])
+        clusters += any(found.what == CLUSTER for found in adequacy(noisier, fit).structures)
+    assert clusters == 0
