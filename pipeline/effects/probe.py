@@ -70,14 +70,14 @@ def equal(some: Readings, others: Readings) -> bool:
 def without_messages_of_engines() -> Iterator[None]:
     """Leave out what an engine writes to file descriptor 2 while it is loaded, such as the time of its build."""
     sys.stderr.flush()
-    before, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
+    before, (unread, pipe) = os.dup(2), os.pipe()
+    os.dup2(pipe, 2)
     try:
         yield
     finally:
         os.dup2(before, 2)
-        os.close(before)
-        os.close(nowhere)
+        for descriptor in (before, unread, pipe):
+            os.close(descriptor)
 
 
 class Probe:
