@@ -13,6 +13,7 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind
+from diagnosis.predictors.rows import good_values, rows_after
 from physics.effects.wheels_and_floor.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
 from pipeline.effects.contract import RULES, judged
@@ -108,10 +109,8 @@ def test_a_logged_turn_has_the_difference_of_the_errors_of_two_headings(case, by
     wave = by_name["heading_double_wave_over_yaw"].kind
     size, phase = 0.01, 0.4
     bare, swung = predicted(case, "pose", wave(swing_rad=0.0, phase_rad=phase), wave(swing_rad=size, phase_rad=phase))
-    stage = case[1]["pose"]
-    logged = stage.observed[2]
-    (first,) = (each.values for each in logged.covariates if each.name == "theta_rad")
-    last = first + logged.values
+    measurement = read_measurement(EXAMPLE, IMPORTERS)
+    first, last = (good_values(measurement, "theta_rad")[rows] for rows in rows_after(measurement, 10, 5))
     error = size * (np.sin(2.0 * last + phase) - np.sin(2.0 * first + phase))
-    known = np.isfinite(logged.values)
+    known = np.isfinite(error)
     np.testing.assert_allclose((swung - bare)[2, known], error[known], atol=3.0 * size**2)
