@@ -116,6 +116,25 @@ def test_an_effect_is_right_among_three_names_and_wrong_with_another_sensor():
     assert not right(name="tof_range_offset", ambiguous_with=["tof_mount_yaw", "turn_slip", "marker_yaw"])
 
 
+def test_a_name_that_explains_the_data_as_well_is_right_and_its_parameters_are_not_judged():
+    effect = {"name": "speed_scale", "parameters": {"scale": 1.1}, "equal": ["tof_range_offset[left]", "turn_slip"]}
+    truth = {"category": "one", "effects": [effect], "near_rivals": {}}
+
+    def right(**answer):
+        return grade(truth, {"effects": [answer]})[1]
+
+    assert right(name="turn_slip")
+    assert right(name="tof_range_offset", parameters={"sensor": "left"})
+    assert right(name="marker_yaw", ambiguous_with=["tof_range_offset[left]"])
+    assert not right(name="tof_range_offset", parameters={"sensor": "right"})
+    assert not right(name="marker_yaw")
+    assert parameter_hits(effect, {"name": "turn_slip", "parameters": {"scale": 2.0}, "std": {"scale": 0.1}}) == (0, 0)
+    assert parameter_hits(effect, {"name": "speed_scale", "parameters": {"scale": 2.0}, "std": {"scale": 0.1}}) == (
+        0,
+        1,
+    )
+
+
 def test_stated_names_are_right_or_near_rivals_or_wrong():
     truth = {"effects": [{"name": "supply_sag", "parameters": {}}], "near_rivals": {"speed_scale": 5.0}}
     answers = [{"name": name, "confidence": 0.9} for name in ("supply_sag", "speed_scale", "current_limit")]

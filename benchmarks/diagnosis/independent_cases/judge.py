@@ -3,7 +3,8 @@
 An effect counts as named where its name is an answer's name, or one of at most three that the answer leaves open. A
 discrete parameter (side, sensor, material) must agree where the answer has one; `name[left]` is understood. The axis of
 tilt_asymmetry is not in the data and not judged. Inductance and switching frequency of bridge_coast act as their
-product, whose logarithm is judged with the relative standard errors added in squares.
+product, whose logarithm is judged with the relative standard errors added in squares. A name that the truth lists under
+`equal` explains the data as well as the true one and counts as right; its parameters are not judged.
 """
 
 import json
@@ -59,8 +60,18 @@ def _split_name(text: str) -> tuple[str, str | None]:
     return (match.group(1), match.group(2)) if match else (text, None)
 
 
+def _explains_as_well(effect: Named, text: str, parameters: Parameters) -> bool:
+    """Return whether the truth lists a name with its discrete parameter as equal to the true effect."""
+    name, bracket = _split_name(text)
+    answered = next((str(parameters[key]) for key in DISCRETE if parameters.get(key) is not None), bracket)
+    equal = [_split_name(each) for each in effect.get("equal", [])]
+    return any(name == each and (None in {answered, value} or answered == value) for each, value in equal)
+
+
 def _same(effect: Named, text: str, parameters: Parameters) -> bool:
-    """Return whether a name with its parameters is the true effect."""
+    """Return whether a name with its parameters is the true effect, or explains the data as well."""
+    if _explains_as_well(effect, text, parameters):
+        return True
     name, bracket = _split_name(text)
     if name != effect["name"]:
         return False
@@ -102,6 +113,8 @@ def _product_hits(effect: Named, named: Named) -> tuple[int, int]:
 
 def parameter_hits(effect: Named, named: Named) -> tuple[int, int]:
     """Return how many numeric parameters are within three standard errors, and how many come with one."""
+    if _explains_as_well(effect, str(named.get("name", "")), named.get("parameters") or {}):
+        return 0, 0
     hits, judged = _product_hits(effect, named)
     values, std = named.get("parameters") or {}, named.get("std") or {}
     skipped = set(PRODUCTS.get(effect["name"], ()))
