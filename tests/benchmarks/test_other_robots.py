@@ -90,7 +90,10 @@ def test_a_range_sensor_with_nothing_hidden_reads_the_distances_with_the_stated_
 
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
     for run in ("first", "second"):
-        for case in [*make_cases("tof_bench", 4, 1), *make_cases("motor_steady", 1, 1)]:
+        motor = steady.make(np.random.default_rng(1), "none")
+        assert motor is not None
+        motor.truth["case"] = "motor_steady_001"
+        for case in [*make_cases("tof_bench", 4, 1), motor]:
             write_case(tmp_path / run / case.truth["case"], case)
             write_truth(tmp_path / run / "truth.json", case.truth)
     paths = sorted(path.relative_to(tmp_path / "first") for path in (tmp_path / "first").rglob("*.*"))

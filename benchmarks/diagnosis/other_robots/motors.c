@@ -54,8 +54,8 @@ static double held(const double *u, int n, double dt, double t) {
     return u[row];
 }
 
-void simulate_trials(int variants, int trials, int samples, int sub, double dt, const double *commands, const double *starts,
-              double session, const double *params, double *out_i, double *out_w) {
+void simulate_trials(int variants, int trials, int samples, int sub, double dt, const double *commands,
+                     const double *starts, double session, const double *params, double *out_i, double *out_w) {
     double h = dt / sub, *past = malloc(sizeof(double) * (samples * sub + 1));
     for (int v = 0; v < variants; v++) for (int q = 0; q < trials; q++) {
         const double *p = params + v * NP, *u = commands + q * samples;
@@ -65,7 +65,8 @@ void simulate_trials(int variants, int trials, int samples, int sub, double dt, 
         past[0] = 0;
         for (int n = 0; n < samples * sub; n++) {
             double t = n * h, late = p[DELAY], age = (starts[q] + t) / session;
-            double r = p[R] * (1 + p[RHEAT] * age), k = p[K] * (1 - p[MHEAT] * age), tc = p[TC] * (1 + p[TCRAMP] * age);
+            double r = p[R] * (1 + p[RHEAT] * age), k = p[K] * (1 - p[MHEAT] * age);
+            double tc = p[TC] * (1 + p[TCRAMP] * age);
             /* mean commanded voltage over the small step */
             double a = held(u, samples, dt, t - late + 1e-7 * dt), b = held(u, samples, dt, t + h - late), ua = b;
             if (a != b) {
@@ -116,7 +117,8 @@ void simulate_trials(int variants, int trials, int samples, int sub, double dt, 
                 double drive = con + lin * wm;
                 if (contact) {
                     if (wm == 0) {
-                        if (sgn(drive) == -contact && fabs(drive) > p[FF] * friction(p, tc, 0, sgn(drive), angle)) contact = 0;
+                        double stuck = p[FF] * friction(p, tc, 0, sgn(drive), angle);
+                        if (sgn(drive) == -contact && fabs(drive) > stuck) contact = 0;
                     } else {
                         double s = sgn(wm);
                         double acc = (drive - s * friction(p, tc, wm, s, angle)) / p[J];
@@ -173,8 +175,8 @@ void simulate_trials(int variants, int trials, int samples, int sub, double dt, 
 enum { WR, WK, WB, WTC, WJ, WMIS, WDROP, WRS, WDECL, WDELAY, WVS, WTURN, WUMIN, WHEAT, NW };
 
 void advance_wheels(int variants, int first, int last, int start, int total, int sub, double dt, const double *u,
-            const double *session, const double *push, const double *drag, const double *params, double *state,
-            double *out) {
+                    const double *session, const double *push, const double *drag, const double *params, double *state,
+                    double *out) {
     double h = dt / sub;
     for (int v = 0; v < variants; v++) {
         const double *p = params + v * NW;
@@ -213,7 +215,8 @@ void advance_wheels(int variants, int first, int last, int start, int total, int
                         if (s == 0) { s = sgn(a); if (fabs(a) <= tc) s = 0; }
                         double next = s == 0 ? 0 : before[c] + h / p[WJ] * (a - p[WB] * mid[c] - s * tc);
                         if (next * s < 0) {
-                            double rest = h * next / (next - before[c]), a0 = k[c] * (i[c] + k[c] * mid[c] / r) + push[c * total + row];
+                            double rest = h * next / (next - before[c]);
+                            double a0 = k[c] * (i[c] + k[c] * mid[c] / r) + push[c * total + row];
                             s = sgn(a0);
                             next = fabs(a0) <= tc ? 0 : rest / p[WJ] * (a0 - s * tc);
                         }

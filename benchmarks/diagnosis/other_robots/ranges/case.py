@@ -163,7 +163,7 @@ class RangeCase:
         no_target_share = rng.uniform(0, 0.4)
         for k in np.flatnonzero(bad):
             no_target = rng.random() < no_target_share
-            value[k] = NO_TARGET_M if no_target else max(0.0, round(value[k] + sizes[k], 3))
+            value[k] = NO_TARGET_M if no_target else max(0.0, np.round(value[k] + sizes[k], 3))
         return share
 
     def rows(self, value: Array, lost: Array) -> list[list[str]]:
