@@ -22,7 +22,9 @@ LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
 TIME = words("t time timestamp stamp clock")
-SUPPLY = words("battery bat vbat akku supply vcc vdd bus")
+SUPPLY = words(
+    "battery bat batt vbat vbatt ubat ubatt batterie batteriespannung akku accu lipo supply vcc vdd vin bus versorgung"
+)
 """Words for a voltage that is not that of a motor."""
 DUTY = words("pwm duty")
 """Words for a voltage as a share of the supply's."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from configs.effects.base import Slot
 from diagnosis.discovery.form import LawForm, LawNumber, sized
-from diagnosis.discovery.place import LawPlace, SlotCovariate
+from diagnosis.discovery.place import STEP, LawPlace, SlotCovariate
 
 RAY_POWERS, RAY_LOSSES = (-1.0, 0.5, 1.0, 2.0, 3.0), (-5.0, 2.0, 5.0, 10.0, 20.0)
 """Exponents and losses [1/m] of the weight of a ray that are tried."""
@@ -14,9 +14,7 @@ LAGS = (0.02, 0.04, 0.08, 0.15, 0.3)
 
 def of_past(place: LawPlace) -> Iterator[LawForm]:
     """Yield the forms that depend on the row before, or on all rows before."""
-    step, trend, voltage, time = (
-        place.covariates.get(name) for name in ("distance_step_m", "voltage_step_V", "u_cmd_V", "t_s")
-    )
+    step, trend, voltage, time = (place.covariates.get(name) for name in (STEP, "voltage_step_V", "u_cmd_V", "t_s"))
     if place.slot is Slot.RANGE and step is not None:
         yield from _of_reading_before(place, step)
     if place.slot is Slot.RAY_WEIGHT:

@@ -113,16 +113,11 @@ def varying(covariates: Sequence[SlotCovariate | None]) -> dict[str, SlotCovaria
 
 
 def values_of(observed: Observed) -> dict[str, Array]:
-    """Return the covariates of a quantity by name, (n,) each, with those that follow from them: the coordinates of a
-    place, and the change of the distance since the row before.
-    """
+    """Return the covariates of a quantity by name, (n,) each, with the coordinates of a place."""
     values = {each.name: each.values for each in observed.covariates}
     for each in observed.covariates:
         if each.second is not None:
             values |= {"x_m": each.values, "y_m": each.second}
-    if "distance_m" in values and STEP not in values:
-        is_next = np.diff(observed.trial, prepend=-1) == 0
-        values[STEP] = np.where(is_next, np.diff(values["distance_m"], prepend=np.nan), np.nan)
     return values
 
 

@@ -79,7 +79,7 @@ def _range(read: QuantityRead, setups: tuple[str, ...]) -> LawPlace:
         read.covariate("ambient_lux", "light", "ambient light [lux]", "lux", "view.ambient_lux"),
         read.time("view.time_s"),
         read.covariate(
-            "distance_step_m",
+            STEP,
             "step",
             "change of the distance since the reading before [m]",
             "m",

@@ -21,7 +21,7 @@ from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body
 from diagnosis.predictors.pose.heading_error import turned_by
-from diagnosis.predictors.rows import good_values, joined, rows_after
+from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s
 from diagnosis.predictors.wheels import Wheels
 from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
@@ -65,6 +65,7 @@ class EngineDrive(EngineStage):
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next[1]] - numbers[self._next[0]])
         self._t_s = joined(trial.t_s for trial in measurement.trials)
+        self._since_on_s = session_time_s(measurement)
         self._rows = [len(trial.t_s) for trial in measurement.trials]
         self._measured = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
         self._known: dict[str, Array] = {}
@@ -126,7 +127,10 @@ class EngineDrive(EngineStage):
         return samples
 
     def _start(self, trial: int) -> PlanarPose:
-        """Return the first measured pose of a trial, since a floor may be another one at another place."""
+        """Return the first logged pose of a trial, since a floor may be another one at another place.
+
+        Where exactly the trial begins is not known: the tracked body may be turned on the robot.
+        """
         begin = sum(self._rows[:trial])
         poses = self._measured[begin : begin + self._rows[trial]]
         known = poses[np.isfinite(poses).all(axis=1)]
@@ -139,4 +143,8 @@ class EngineDrive(EngineStage):
         pose = earlier(pose, self._t_s, self._rows, applied(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
         tracked = applied(effects.functions(Slot.POSE_POINT), pose)
         errors = effects.functions(Slot.POSE_HEADING)
-        return turned_by(tracked, applied(errors, np.zeros(len(pose)), pose[:, 2], self._t_s)) if errors else tracked
+        return (
+            turned_by(tracked, applied(errors, np.zeros(len(pose)), pose[:, 2], self._since_on_s))
+            if errors
+            else tracked
+        )

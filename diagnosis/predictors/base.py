@@ -135,7 +135,7 @@ class Observed:
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
     numbers_may_drift: bool = False
-    """Whether a nominal number that drifts over the session is tried as a cause in no list."""
+    """Whether drifts of the nominal numbers over the session compete with the effects."""
     count_noise: CountNoise | None = field(default=None, compare=False, repr=False)
     """Noise of speeds that are computed from counts; None if the noise is that of `sd` and `correlation` alone."""
     early: EarlyVoltages | None = None

@@ -132,7 +132,10 @@ class MotorSteady:
         speed = read_settled_speed_rad_s(effects, seen.speed_rad_s, since_on_s) + surprise
         if is_hidden.any():
             _, slow = self._from_rest(model, effects, rows, past)
-            speed = np.where(is_hidden & (np.abs(slow) < np.abs(surprise)), slow, speed)
+            # The reading of a motor at rest is noise, beside the surprise that it is at rest.
+            at_rest = np.hypot(measured, surprise)
+            is_slow = np.abs(measured - slow) < at_rest
+            speed = np.where(is_hidden, np.where(is_slow, slow, measured + np.sign(voltage_V) * at_rest), speed)
         return read_current_A(effects, seen.current_A, since_on_s), speed
 
     def _inputs(self, rows: Mask) -> tuple[Array, Array, Array | None]:

@@ -104,7 +104,9 @@ class Wheels:
         )
 
     def _measured_rows(self, measurement: Measurement) -> MeasuredRows:
-        """Return the logged places and the counted angles; a place that is not known is that of the last row, or 0."""
+        """Return the logged places and the counted angles; places between known ones lie on a line,
+        and a trial without any is at 0.
+        """
         t_s, trials = joined(trial.t_s for trial in measurement.trials), [len(each.t_s) for each in measurement.trials]
         place_m = bridged(np.stack([good_values(measurement, name) for name in ("x_m", "y_m")], axis=-1), t_s, trials)
         counts = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in ("right", "left")], axis=-1)

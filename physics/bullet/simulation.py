@@ -179,7 +179,7 @@ class BulletSimulation:
                 speed = right[1] + left[1]
                 reaction[1] += self._reaction_gain * (speed - self._speed_sum) - REACTION_SMOOTHING * reaction[1]
                 self._speed_sum = speed
-            place_m = self._look()[:2] if effects.needs_place else (0.0, 0.0)
+            place_m = self._place_m() if effects.needs_place else (0.0, 0.0)
             torques = effects.torques_N_m(number, np.array((right[0], left[0])), speeds, place_m)
             friction = effects.friction_to_set()
             if friction is not None:
@@ -231,12 +231,18 @@ class BulletSimulation:
     def _look(self) -> tuple[float, float, float]:
         position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
         r = pybullet.getMatrixFromQuaternion(turn)
-        a, b, c = self._to_axle
         step = (atan2(r[3], r[0]) - self._yaw + pi) % (2.0 * pi) - pi
         self._yaw += step
-        x = position[0] + r[0] * a + r[1] * b + r[2] * c
-        y = position[1] + r[3] * a + r[4] * b + r[5] * c
-        return x, y, self._yaw
+        return *self._axle_at(position, r), self._yaw
+
+    def _place_m(self) -> tuple[float, float]:
+        """Return the place of the middle of the axle, without following its yaw."""
+        position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
+        return self._axle_at(position, pybullet.getMatrixFromQuaternion(turn))
+
+    def _axle_at(self, position: Sequence[float], r: Sequence[float]) -> tuple[float, float]:
+        a, b, c = self._to_axle
+        return position[0] + r[0] * a + r[1] * b + r[2] * c, position[1] + r[3] * a + r[4] * b + r[5] * c
 
     def twist(self) -> tuple[float, float]:
         """Return the forward speed [m/s] of the middle of the axle and the yaw rate [rad/s]."""

@@ -1,13 +1,13 @@
 """A 2D lidar: rays in one plane, one after the other while the head turns and the robot drives."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import ceil
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from configs.robot_sensors import MountedSettings, SensorSettings
 from configs.schema.base import Fixed
@@ -24,6 +24,12 @@ SUBSAMPLE_S = 0.01
 COLUMNS = Fixed("it decides the columns of the table")
 
 
+def _around(settings: Mapping[str, Any]) -> float:
+    """Return the step between rays that look all around."""
+    rays = settings.get("rays", 1)
+    return 360.0 / rays if rays > 1 else 1.0
+
+
 class LidarSettings(MountedSettings):
     """Place, rays and errors of a 2D lidar; the defaults are those of a cheap one with a range of 8 m."""
 
@@ -37,7 +43,7 @@ class LidarSettings(MountedSettings):
     """Number of rays of a scan."""
     first_ray_deg: float = Field(default=-180.0, ge=-360, le=360)
     """Direction of the first ray to the left of the x axis of the sensor."""
-    ray_step_deg: float = Field(default=1.0, ge=-180, le=180)
+    ray_step_deg: float = Field(default_factory=_around, ge=-180, le=180)
     """Angle from a ray to the next one, counter-clockwise; below 0 for a head that turns clockwise. By default 360 over
     the number of rays, so that they look all around."""
     min_range_m: float = Field(default=0.05, ge=0, le=10)
@@ -59,15 +65,6 @@ class LidarSettings(MountedSettings):
     """Step of the ranges [m]; 0 for none."""
     dropout_probability: float = Field(default=0.002, ge=0, le=1)
     """Probability that a ray gives no range."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _look_all_around(cls, fields: object) -> object:
-        """Return the fields with the step that belongs to another number of rays, if they do not state one."""
-        if not isinstance(fields, dict) or "ray_step_deg" in fields:
-            return fields
-        rays = fields.get("rays")
-        return fields | {"ray_step_deg": 360.0 / rays} if isinstance(rays, int) and rays > 1 else fields
 
     def faults(self) -> Iterator[ConfigFault]:
         if self.min_range_m >= self.max_range_m:

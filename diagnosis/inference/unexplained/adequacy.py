@@ -69,7 +69,8 @@ class Structure:
     size: float
     """Root mean square of the structure [sigma], over the rows of the fit of its quantity."""
     is_over_time: bool
-    """Whether the covariate is only the time at which a row was taken, in readings whose zero may drift."""
+    """Whether the covariate is only the time at which a row was taken. A jump of speeds from counts is no such
+    structure, because counts have no zero that may drift."""
     longest_run: int = 0
     """Number of rows of the longest of the runs of rows of which the structure consists; 0 for other structures."""
 

@@ -199,7 +199,11 @@ class Pose:
             if starts is None:
                 error_rad = heading_error_rad(functions, self._heading_rad - self._askew_rad(model), self._since_on_s)
             else:
-                yaw_rad = tracked[..., 2] + np.repeat(starts[:, 2], self._trials) - self._askew_rad(model)
+                askew_rad = self._askew_rad(model)
+                begins_rad = np.repeat(starts[:, 2], self._trials) - askew_rad
+                begins_s = np.repeat(self._since_on_s[self._starts], self._trials)
+                begins_rad = begins_rad - heading_error_rad(functions, begins_rad, begins_s)
+                yaw_rad = tracked[..., 2] - askew_rad + begins_rad
                 error_rad = applied(functions, np.zeros_like(yaw_rad), yaw_rad, self._since_on_s)
             tracked = turned_by(tracked, error_rad)
         return tracked

@@ -84,7 +84,7 @@ def _between_rows(named: NamedEffect, measurement: Measurement, row_s: float) ->
             yield (
                 f"the standard error of {name} counts the noise of the readings alone; if the voltage changes at any "
                 f"time between two rows of {1e3 * row_s:.3g} ms, and not with the rows, its {changes} changes leave an "
-                f"error of about {1e3 * error_s:.2g} ms, and {name} is off by up to a row"
+                f"error of about {1e3 * error_s:.2g} ms; in addition, all of them may be stated up to a row late"
             )
 
 

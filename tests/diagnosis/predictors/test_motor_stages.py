@@ -359,15 +359,19 @@ class TestRowsNearBreakaway:
         np.testing.assert_allclose(stage.predict([robot])[0].mean[0, 1:3], [(0.1 + K * 0.02) / R, (0.3 - K * 0.45) / R])
         np.testing.assert_allclose(current.sd[1:3], np.hypot(current.sd[0], K * 0.1 / R))
 
-    def test_a_motor_that_turns_within_the_noise_is_no_surprise(self, robot):
-        """At 0.3 V it turns by (0.3 K / R - TC) / (K^2 / R + B), or stands still with -2 log P of 20."""
-        stage = self.stage(robot, [0.05, -0.02, 0.45, 1.0, 16.0])
-        turning = (0.3 * K / R - TC) / DAMPING
-        standing = 0.1 * math.sqrt(2.0 * math.log1p(math.exp(0.5 / 0.05)))
-        assert stage.predict([robot])[1].mean[0, 2] == pytest.approx(min(turning, standing))
-        slow = robot.with_section("motor", {"coulomb_friction_N_m": 1.45 * TC})
-        turning = (0.3 * K / R - 1.45 * TC) / DAMPING
-        assert stage.predict([slow])[1].mean[0, 2] == pytest.approx(turning)
+    @pytest.mark.parametrize("friction", [0.8, 1.0, 1.3, 1.45])
+    def test_a_motor_that_turns_within_the_noise_is_no_surprise(self, robot, friction):
+        """At 0.3 V it turns by (0.3 K / R - T) / (K^2 / R + B), or stands still; the more probable one counts.
+
+        -2 log P of standing still is 2 log(1 + exp(s / 0.05)), where s is the torque beyond the friction as its share.
+        """
+        reading = 0.45
+        stage = self.stage(robot, [0.05, -0.02, reading, 1.0, 16.0])
+        hard = robot.with_section("motor", {"coulomb_friction_N_m": friction * TC})
+        turns = (0.3 * K / R - friction * TC) / DAMPING
+        standing = reading**2 / 0.01 + 2.0 * math.log1p(math.exp((1.5 / friction - 1.0) / 0.05))
+        z = (reading - stage.predict([hard])[1].mean[0, 2]) / 0.1
+        assert z**2 == pytest.approx(min(((reading - turns) / 0.1) ** 2, standing))
 
     def test_a_speed_against_the_voltage_beyond_the_noise_says_nothing_of_the_current(self, robot):
         current, _ = self.stage(robot, [0.05, -1.0, 0.45, 1.0, 16.0]).observed

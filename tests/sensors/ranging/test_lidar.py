@@ -1,12 +1,13 @@
 """The 2D lidar: its rays, its errors, and what the motion of the robot does to a scan."""
 
+import json
 from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
 
-from configs.draw import draw_run
-from configs.loader import load_scenario
+from configs.draw import draw_robot, draw_run
+from configs.loader import load_scenario, load_section
 from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import EngineRays
 from pipeline.stages.simulate import simulate
@@ -153,7 +154,8 @@ def test_a_run_has_a_scan_every_100_ms_that_meets_the_moving_obstacles():
     [({}, 1.0), ({"rays": 90}, 4.0), ({"rays": 1}, 1.0), ({"rays": 90, "ray_step_deg": -1.5}, -1.5)],
 )
 def test_rays_look_all_around_unless_their_step_is_stated(settings, step_deg):
-    assert LidarSettings(**settings).ray_step_deg == step_deg
+    robot, _ = draw_robot(load_section("robot", "nominal", [f"robot.sensors.lidar={json.dumps(settings)}"]), 1, "test")
+    assert dict(robot.sensors)["lidar"].ray_step_deg == step_deg
 
 
 @pytest.mark.parametrize(
