@@ -143,8 +143,6 @@ class EngineDrive(EngineStage):
         pose = earlier(pose, self._t_s, self._rows, applied(effects.functions(Slot.POSE_DELAY), 0.0, self._t_s))
         tracked = applied(effects.functions(Slot.POSE_POINT), pose)
         errors = effects.functions(Slot.POSE_HEADING)
-        return (
-            turned_by(tracked, applied(errors, np.zeros(len(pose)), pose[:, 2], self._since_on_s))
-            if errors
-            else tracked
-        )
+        if not errors:
+            return tracked
+        return turned_by(tracked, applied(errors, np.zeros(len(pose)), pose[:, 2], self._since_on_s))

@@ -9,6 +9,7 @@ back with the geared torque and lift the wheels at a hard start, while the real 
 all. The simulation therefore returns that torque to the body.
 """
 
+from collections.abc import Sequence
 from math import atan2, floor, pi
 
 import numpy as np
