@@ -27,8 +27,8 @@ class ReleaseResult(JsonResult):
     folder: str
     """The output folder, as it was named."""
     up_to_date: bool
-    """Whether every run is released from the present settings and nothing would be lost, so that nothing is to be
-    done."""
+    """Whether every run is released from the present settings and nothing would be lost. Files are not read: `verify`
+    finds damaged ones, which a release makes again."""
     would_do: dict[str, int]
     """Number of runs by what the release would do with them, and why."""
     would_keep: list[str]

@@ -102,7 +102,7 @@ def _evidence(law: DiscoveredLaw) -> str:
         )
         if law.gain.low <= 0.0:
             is_clear = law.heldout_fall is not None and law.heldout_fall >= _CLEAR_FALL
-            hidden = "but outliers count in this error and hide it"
+            hidden = "which outliers hide, or the law matters in few of these rows"
             text += f", {hidden if is_clear else 'so that the held-out rows alone do not show it'}"
     as_good = round(law.chance * (SIGN_DRAWS + 1)) - 1
     return (

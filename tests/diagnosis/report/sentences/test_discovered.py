@@ -26,7 +26,7 @@ def evidence(heldout_fall):
     ("heldout_fall", "text"),
     [
         (3.0, "so that the held-out rows alone do not show it"),
-        (362.0, "but outliers count in this error and hide it"),
+        (362.0, "which outliers hide, or the law matters in few of these rows"),
     ],
 )
 def test_a_gain_that_may_be_none_is_explained_by_what_the_cost_of_the_same_rows_shows(heldout_fall, text):
