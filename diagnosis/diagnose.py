@@ -8,6 +8,7 @@ from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.case_robot import base_robot_of, checked_against, nominal_of, spreads_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
+from diagnosis.inference.evidence.coupled_wheels import wheel_coupling
 from diagnosis.inference.evidence.early_voltages import EarlyPart, early_part
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
@@ -208,6 +209,7 @@ def diagnose(
     evidence = _evidence(stages, bare, progress)
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
+    bare = replace(bare, nuisances=(*bare.nuisances, *wheel_coupling(evidence, robot)))
     bare, of_sessions = _with_sessions(measurement, evidence, bare)
     library = candidates(measurement, evidence, bare)
     library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))

@@ -76,6 +76,7 @@ class Wheels:
         self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
         # The motor of a case includes the inertia and friction of the whole robot, that of a robot file does not.
         self._load = NO_LOAD if is_case else WheelLoad.of_body(RobotModel.from_config(nominal))
+        self._is_coupled = not is_case
         self._counts = nominal.encoder.counts_per_revolution
         self._first, self._next = rows_after(measurement, 1)
         numbers = np.concatenate(self._grid.places)
@@ -112,6 +113,25 @@ class Wheels:
         counts = np.stack([good_values(measurement, f"enc_{side}_ticks") for side in ("right", "left")], axis=-1)
         held_m = self._grid.held(place_m)
         return MeasuredRows(held_m[..., :1], held_m[..., 1:], self._grid.at_samples(2.0 * pi / self._counts * counts))
+
+    def coupling_rad_s(self, robot: RobotConfig, share: float) -> Array | None:
+        """Return the change of the speeds of the left and the right wheel (2, n) if the body couples the wheels.
+
+        The acceleration of one wheel then takes a share of its inertia as a torque from the other one. The motor of a
+        case includes the inertia of the robot, but how much of it is mutual is not stated. None if it is known.
+
+        Args:
+            robot: The robot.
+            share: Mutual inertia as a share of the inertia of a wheel.
+        """
+        if self._is_coupled:
+            return None
+        mutual_kg_m2 = share * float(RobotModel.from_config(robot).motors.left.inertia_kg_m2)
+        coupled, bare = (
+            self._speeds_by([robot], self._voltage_V, self._parts, load)[0]
+            for load in (WheelLoad(mutual_kg_m2=mutual_kg_m2), NO_LOAD)
+        )
+        return coupled - bare
 
     def _keep_shares(self, nominal: RobotConfig) -> Iterator[float]:
         """Yield the share of its speed that each wheel keeps from row to row without a voltage."""
@@ -266,13 +286,15 @@ class Wheels:
         """Return the speeds of the left and the right wheel, (M, 2, n); NaN in the last row of a trial."""
         return self._speeds_by(robots, self._voltage_V, self._parts)
 
-    def _speeds_by(self, robots: Sequence[RobotConfig], voltage_V: Array, parts: int) -> Array:
+    def _speeds_by(
+        self, robots: Sequence[RobotConfig], voltage_V: Array, parts: int, load: WheelLoad | None = None
+    ) -> Array:
         """Return the same with voltages (T parts, N, 2) that are constant in each part of a row."""
         speeds = np.empty((len(robots), len(SIDES), sum(len(place) for place in self._grid.places)))
         for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(
-                model, voltage_V, self._grid.period_s, self._grid.begins_s, self._load, parts, self._measured
+                model, voltage_V, self._grid.period_s, self._grid.begins_s, load or self._load, parts, self._measured
             )
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)

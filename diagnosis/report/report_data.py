@@ -25,6 +25,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.posterior.random_slip import random_slip
 from diagnosis.prediction_error import UnseenPrediction, predictions
+from diagnosis.report.sentences.coupled_wheels import coupling_sentences
 from diagnosis.report.sentences.random_slip import random_slip_sentences
 from diagnosis.report.sentences.rows import row_sentences
 from diagnosis.report.sentences.run_ends import run_ends
@@ -140,6 +141,7 @@ def report_data(
         row_sentences=(
             *row_sentences(diagnosis),
             *session_sentences(diagnosis.fit),
+            *coupling_sentences(diagnosis.fit),
             *random_slip_sentences(slip),
             *run_ends(diagnosis),
         ),

@@ -31,6 +31,8 @@ class WheelLoad:
     body: BodyOnWheels | None = None
     """Body by which the wheels accelerate each other, and whose centrifugal forces and caster act on them; None
     without."""
+    mutual_kg_m2: float = 0.0
+    """Inertia that the acceleration of one wheel has for the other one, without a `body`."""
 
     @classmethod
     def of_body(cls, model: RobotModel) -> "WheelLoad":
@@ -42,7 +44,7 @@ class WheelLoad:
     def coupling_kg_m2(self) -> Array | None:
         """Inertia (2, 2) of the body that the acceleration of one wheel has for the other one."""
         if self.body is None:
-            return None
+            return self.mutual_kg_m2 * (1.0 - np.eye(2)) if self.mutual_kg_m2 else None
         inertia = self.body.wheel_inertia_kg_m2
         return inertia - np.diag(np.diag(inertia))
 
@@ -98,7 +100,8 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     if driveline.lags:
         finer = ceil(row_s / parts / LAG_PART_S)
         voltage_V, parts = np.repeat(voltage_V, finer, axis=0), finer * parts
-    wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None, load.coupling_kg_m2)
+    coupling_kg_m2 = load.coupling_kg_m2
+    wheels = RigidWheels(driveline, None if coupling_kg_m2 is None else load.torque_N_m, coupling_kg_m2)
     counting = model.functions(Slot.COUNTING)
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []

@@ -21,7 +21,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, SharedReading
 from diagnosis.predictors.distinct import distinct
-from diagnosis.predictors.pose.heading_error import PASSES, heading_error_rad, turned_by
+from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, heading_error_rad, turned_by
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
@@ -196,15 +196,13 @@ class Pose:
         pose = earlier(pose, self._t_s, self._trials, delay_s)
         tracked = applied(model.functions(Slot.POSE_POINT), pose)
         if functions := effects.functions(Slot.POSE_HEADING):
+            askew_rad, time_s = self._askew_rad(model), self._since_on_s
             if starts is None:
-                error_rad = heading_error_rad(functions, self._heading_rad - self._askew_rad(model), self._since_on_s)
+                error_rad = heading_error_rad(functions, self._heading_rad - askew_rad, time_s)
             else:
-                askew_rad = self._askew_rad(model)
-                begins_rad = np.repeat(starts[:, 2], self._trials) - askew_rad
-                begins_s = np.repeat(self._since_on_s[self._starts], self._trials)
-                begins_rad = begins_rad - heading_error_rad(functions, begins_rad, begins_s)
-                yaw_rad = tracked[..., 2] - askew_rad + begins_rad
-                error_rad = applied(functions, np.zeros_like(yaw_rad), yaw_rad, self._since_on_s)
+                first_rad, first_s = (np.repeat(each, self._trials) for each in (starts[:, 2], time_s[self._starts]))
+                turned_rad = tracked[..., 2] - askew_rad
+                error_rad = error_along_path(functions, turned_rad, first_rad - askew_rad, first_s, time_s)
             tracked = turned_by(tracked, error_rad)
         return tracked
 

@@ -154,7 +154,7 @@ def pack(
 
     Example: symolo pack data --about about.yaml --out upload
     """
-    from datetime import UTC, datetime
+    from datetime import datetime, timezone
 
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
@@ -166,7 +166,7 @@ def pack(
     description = read_about(about)
     check_new(out, folder)
     planned = plan(folder, description, round(shard_gb * 1e9))
-    for text in (*description.doubts(datetime.now(tz=UTC).date()), *planned.warnings()):
+    for text in (*description.doubts(datetime.now(tz=timezone.utc).date()), *planned.warnings()):
         typer.echo(f"warning: {text}", err=True)
     if dry_run:
         for shard in planned.shards:

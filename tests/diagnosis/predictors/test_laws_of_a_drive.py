@@ -1,7 +1,7 @@
 """Laws of the place, of the angle of a wheel and of the heading in the stages of a drive, against closed forms."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -113,7 +113,7 @@ def log_of(*trials):
     return Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), trials, NOMINAL)
 
 
-def stage(robot, name, *trials):
+def stage(robot, name, *trials) -> Any:
     (found,) = (each for each in STAGES[CaseKind.DRIVE_LOG](log_of(*trials), robot) if each.name == name)
     return found
 

@@ -7,7 +7,7 @@ and to the right from the middle of the axle, so that a wall faces in the direct
 import math
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -83,7 +83,8 @@ def simulated(robot):
     wall = Box("wall", "wall", (0.0, 0.0, 0.075), (0.02, 1.0, 0.15), 0.0, "white_board")
     arena = Arena("test", 4.0, 1.0, Line((Straight((-5.0, 0.0), (5.0, 0.0)),), 0.015, reflectance=0.0), (wall,))
     tof = TofArray.on_robot(robot, arena, 1000, np.random.default_rng(0))
-    return np.array([tof.sample(RoomWorld(tuple(pose)))[:, 0] for pose in POSES.tolist()])
+    worlds: list[Any] = [RoomWorld(tuple(pose)) for pose in POSES.tolist()]
+    return np.array([tof.sample(world)[:, 0] for world in worlds])
 
 
 def predicted(robot, effects, nominal=None, arena=None):
