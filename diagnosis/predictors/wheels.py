@@ -117,8 +117,8 @@ class Wheels:
     def coupling_rad_s(self, robot: RobotConfig, share: float) -> Array | None:
         """Return the change of the speeds of the left and the right wheel (2, n) if the body couples the wheels.
 
-        The acceleration of one wheel then takes a share of its inertia as a torque from the other one. The motor of a
-        case includes the inertia of the robot, but how much of it is mutual is not stated. None if it is known.
+        An acceleration of one wheel then takes torque at the other one, too. The motor of a case includes the inertia
+        of the robot, but how much of it is mutual is not stated. None if it is known.
 
         Args:
             robot: The robot.

@@ -78,19 +78,19 @@ def _passed(robot: RobotConfig, name: str, box: Rectangle, poses: Array, first: 
 
 
 def _room_m(
-    avoidance: Avoidance, start: tuple[float, float, float], body_m: tuple[float, float], box: Rectangle, most_m: float
+    avoidance: Avoidance, start: tuple[float, float, float], body_m: tuple[float, float], box: Rectangle, max_m: float
 ) -> float:
-    """Return the room [m], in steps of 1 mm up to about `most_m`, beside the body on the path; -1 if it touches."""
+    """Return the room [m], in steps of 1 mm up to about `max_m`, beside the body on the path; -1 if it touches."""
     points = straight_path(avoidance, "left").points
     spaced = points[:: max(1, round(len(points) * SPACING_M / avoidance.along_length_m / 4))]
     steps = np.gradient(spaced, axis=0)
     c, s = math.cos(start[2]), math.sin(start[2])
     place = start[:2] + spaced @ np.array([[c, s], [-s, c]])
     poses = np.column_stack([place, start[2] + np.arctan2(steps[:, 1], steps[:, 0])])
-    if not _touch((body_m[0] + 2.0 * most_m, body_m[1] + 2.0 * most_m), poses, box):
-        return most_m
+    if not _touch((body_m[0] + 2.0 * max_m, body_m[1] + 2.0 * max_m), poses, box):
+        return max_m
     room_m = -1.0
-    for grown_m in np.arange(0.0, most_m, 0.001):
+    for grown_m in np.arange(0.0, max_m, 0.001):
         if _touch((body_m[0] + 2.0 * grown_m, body_m[1] + 2.0 * grown_m), poses, box):
             break
         room_m = float(grown_m)

@@ -132,6 +132,17 @@ def test_without_a_compiler_the_command_ends_with_one_line(monkeypatch, capsys, 
     ]
 
 
+def test_a_compiler_that_fails_is_named_in_one_line(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(compiled.shutil, "which", lambda _: "/bin/false")
+    monkeypatch.setattr("sys.argv", ["other_robots", "--kind", "motor_step", "--out", str(tmp_path)])
+    compiled._library.cache_clear()
+    with pytest.raises(SystemExit) as end:
+        command.main()
+    assert end.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("/bin/false cannot compile motors.c")
+
+
 def test_rays_end_at_the_walls_and_at_a_box():
     x, y = np.full(3, 0.5), np.full(3, 0.5)
     angle = np.array([np.pi / 4, 0.0, np.pi])

@@ -18,7 +18,7 @@ WHEEL_SUBSTEPS = 20
 
 
 class NoCompilerError(RuntimeError):
-    """There is no C compiler."""
+    """There is no C compiler, or it fails."""
 
 
 @lru_cache(maxsize=1)
@@ -33,7 +33,10 @@ def _library() -> ctypes.CDLL:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "motors.so"
         options = ["-O2", "-ffp-contract=off", "-shared", "-fPIC"]
-        subprocess.run([compiler, *options, str(source), "-o", str(target), "-lm"], check=True)
+        try:
+            subprocess.run([compiler, *options, str(source), "-o", str(target), "-lm"], check=True)
+        except (OSError, subprocess.CalledProcessError) as error:
+            raise NoCompilerError(f"{compiler} cannot compile {source.name}: {error}") from error
         return ctypes.CDLL(str(target))
 
 

@@ -15,8 +15,8 @@ from benchmarks.diagnosis.other_robots.draws import HIDDEN, Array, log_uniform, 
 from benchmarks.diagnosis.other_robots.effects import Effect, Key, Ratios, Table, draw_shapes, first_size, label, scaled
 from benchmarks.diagnosis.other_robots.fits import Problem
 
-LEAST_RATIO = 30.0
-GREATEST_RATIO = 20000.0
+MIN_RATIO = 30.0
+MAX_RATIO = 20000.0
 EQUAL, NEAR = 3.0, 12.0
 """Names that cost less are equal to the true one, or near rivals of it."""
 
@@ -82,7 +82,7 @@ def ratios_of(problem: Problem, hidden: Hidden, deviations: Array) -> list[float
         rest = hidden.without(i)
         start = rest.theta(deviations)
         cost = problem.least(target, rest.keys, start)
-        if cost - base < 40 * LEAST_RATIO:  # near the limit of visibility: start at the nominal parameters too
+        if cost - base < 40 * MIN_RATIO:  # near the limit of visibility: start at the nominal parameters too
             start[: problem.nominal] = 0
             cost = min(cost, problem.least(target, rest.keys, start))
         ratios.append(cost - base)
@@ -107,8 +107,8 @@ def _grow(problem: Problem, hidden: Hidden, targets: list[float], deviations: Ar
 def _final_size(rng: np.random.Generator, effect: Effect, size: float, ratio: float) -> float:
     """Return the size; where the range ended first, a draw between barely visible and the end of the range."""
     p = effect.parameters[0]
-    if size in {p.low, p.high} and not effect.threshold and ratio > 2 * LEAST_RATIO:
-        size = scaled(effect, size, log_uniform(rng, np.sqrt(1.5 * LEAST_RATIO / ratio), 1))
+    if size in {p.low, p.high} and not effect.threshold and ratio > 2 * MIN_RATIO:
+        size = scaled(effect, size, log_uniform(rng, np.sqrt(1.5 * MIN_RATIO / ratio), 1))
     return significant(size, 5)
 
 
@@ -122,12 +122,12 @@ def draw_effects(
             effect = problem.table[name]
             hidden.keys.append((name, pick(rng, effect.discrete[1]) if effect.discrete else None))
             hidden.values.append([first_size(rng, effect), *draw_shapes(rng, effect)])
-            targets.append(log_uniform(rng, LEAST_RATIO * 1.4, GREATEST_RATIO))
+            targets.append(log_uniform(rng, MIN_RATIO * 1.4, MAX_RATIO))
         _grow(problem, hidden, targets, deviations)
         for values, (name, _), ratio in zip(hidden.values, hidden.keys, hidden.ratios, strict=True):
             values[0] = _final_size(rng, problem.table[name], values[0], ratio)
         hidden.ratios = ratios_of(problem, hidden, deviations)
-        if min(hidden.ratios) >= LEAST_RATIO:
+        if min(hidden.ratios) >= MIN_RATIO:
             return hidden
     return None
 
@@ -141,7 +141,7 @@ class Search:
     outside: Table
     deviations: Array
     attempts: int
-    least_beyond: float
+    min_beyond: float
     """What the best listed name must leave of an effect outside the list."""
     starts: int = 2
     """Starts of the fit of a rival with several parameters."""
@@ -185,7 +185,7 @@ class Search:
         if category == "outside":
             best = min(self.rivals(rng, target, base, Hidden(), list(self.named)).items(), key=lambda cost: cost[1])
             entries.add_outside(described[0], best)
-            return hidden if best[1] >= self.least_beyond else None
+            return hidden if best[1] >= self.min_beyond else None
         hidden_names = {name for name, _ in hidden.keys}
         others = [name for name in self.named if self.named[name].discrete or name not in hidden_names]
         for i, key in enumerate(hidden.keys):

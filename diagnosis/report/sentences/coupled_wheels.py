@@ -18,9 +18,9 @@ def coupling_sentences(fit: HypothesisFit) -> Iterator[str]:
     for nuisance, x, error in zip(fit.hypothesis.nuisances, fit.x.tolist(), errors, strict=False):
         if nuisance.name == NAME and abs(x) >= CLEAR * error:
             size = with_error(100.0 * abs(x) * nuisance.tolerance, 100.0 * error * nuisance.tolerance)
-            way = "takes torque from" if x > 0.0 else "gives torque to"
+            way = "takes" if x > 0.0 else "adds"
             yield (
-                f"The body of the robot couples its wheels: an acceleration of one wheel {way} the other one, with "
-                f"{size} % of the inertia of a wheel. nominal.yaml states no such number; it is fitted, and is no "
-                "fault of the robot."
+                f"The body of the robot couples its wheels: an acceleration of one wheel also {way} torque at the "
+                f"other one, {size} % of what it takes at its own. nominal.yaml states no such number; it is fitted, "
+                "and is no fault of the robot."
             )

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.diagnosis.other_robots.draws import HIDDEN, log_uniform, pick, significant
+from benchmarks.diagnosis.other_robots.drives.predicted.stages import Staged
 from benchmarks.diagnosis.other_robots.drives.setting import Driven, DriveSetting
-from benchmarks.diagnosis.other_robots.drives.stages import Staged
 from benchmarks.diagnosis.other_robots.effects import Key, Ratios, draw_shapes, first_size, label, scaled
-from benchmarks.diagnosis.other_robots.hidden import GREATEST_RATIO, LEAST_RATIO, Entries, Hidden, describe
+from benchmarks.diagnosis.other_robots.hidden import MAX_RATIO, MIN_RATIO, Entries, Hidden, describe
 
 DRAWS, TURNS = 8, 5
 
@@ -26,7 +26,7 @@ class Candidate:
     staged: Staged
     base: float
     """Least weighted sum of squares with these effects."""
-    need: float = LEAST_RATIO
+    need: float = MIN_RATIO
     """Least likelihood ratio of each effect."""
 
     def is_visible(self) -> bool:
@@ -63,7 +63,7 @@ class Search:
         hidden = Hidden(keys, [[first_size(rng, table[name]), *draw_shapes(rng, table[name])] for name in chosen])
         if chosen == ["camera_slow"]:
             hidden.values[0][0] = float(round(hidden.values[0][0]))
-        targets = [log_uniform(rng, LEAST_RATIO * 1.4, GREATEST_RATIO) for _ in chosen]
+        targets = [log_uniform(rng, MIN_RATIO * 1.4, MAX_RATIO) for _ in chosen]
         stages = self.setting.stages_of(chosen)
         candidate = self._fitted(hidden, stages)
         for _ in range(TURNS - 1):
@@ -102,7 +102,7 @@ class Search:
             base = plain.problem.least(plain.target, [], deviations) * float(count / plain.measured.mask.sum())
             hidden.ratios = [problem.least(target, [], deviations) - base]
             # two runs are compared, and the difference must also exceed what chance makes of it
-            return Candidate(hidden, driven, staged, base, LEAST_RATIO + 3 * float(np.sqrt(2 * count)))
+            return Candidate(hidden, driven, staged, base, MIN_RATIO + 3 * float(np.sqrt(2 * count)))
         base = problem.least(target, hidden.keys, hidden.theta(deviations), rounds=3)
         rests = [hidden.without(i) for i in range(len(hidden.keys))]
         hidden.ratios = [problem.least(target, rest.keys, rest.theta(deviations)) - base for rest in rests]

@@ -7,12 +7,12 @@ import numpy as np
 
 from benchmarks.diagnosis.other_robots.compiled import WHEEL_DT_S
 from benchmarks.diagnosis.other_robots.draws import draw_deviations
-from benchmarks.diagnosis.other_robots.drives.disturbances import disturb
 from benchmarks.diagnosis.other_robots.drives.log import Log
-from benchmarks.diagnosis.other_robots.drives.plans import draw_run
+from benchmarks.diagnosis.other_robots.drives.predicted.stages import Staged
 from benchmarks.diagnosis.other_robots.drives.robot import NOMINAL, draw_robot
-from benchmarks.diagnosis.other_robots.drives.simulation import Run
-from benchmarks.diagnosis.other_robots.drives.stages import Staged
+from benchmarks.diagnosis.other_robots.drives.simulated.disturbances import disturb
+from benchmarks.diagnosis.other_robots.drives.simulated.plans import draw_run
+from benchmarks.diagnosis.other_robots.drives.simulated.simulation import Run
 from benchmarks.diagnosis.other_robots.drives.table import POSES, RANGES, STAGES, WHEELS, named_table, outside_table
 from benchmarks.diagnosis.other_robots.effects import Table
 from benchmarks.diagnosis.other_robots.hidden import Hidden

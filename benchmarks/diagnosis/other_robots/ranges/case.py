@@ -15,7 +15,7 @@ from benchmarks.diagnosis.other_robots.draws import (
 from benchmarks.diagnosis.other_robots.effects import Key
 from benchmarks.diagnosis.other_robots.files import Case, truth_entry
 from benchmarks.diagnosis.other_robots.fits import Problem
-from benchmarks.diagnosis.other_robots.hidden import LEAST_RATIO, Entries, Hidden, Search
+from benchmarks.diagnosis.other_robots.hidden import MIN_RATIO, Entries, Hidden, Search
 from benchmarks.diagnosis.other_robots.range_noise import ROUNDING_M2
 from benchmarks.diagnosis.other_robots.ranges.bench import RangeBench
 from benchmarks.diagnosis.other_robots.ranges.noise_effects import (
@@ -29,7 +29,7 @@ from benchmarks.diagnosis.other_robots.ranges.noise_effects import (
 from benchmarks.diagnosis.other_robots.ranges.readings import NOMINAL, readings
 from benchmarks.diagnosis.other_robots.ranges.table import named_table, outside_table
 
-LEAST_BEYOND = 25.0
+MIN_BEYOND = 25.0
 NO_TARGET_M = 8.190
 HEADER = [
     "row",
@@ -93,9 +93,7 @@ class RangeCase:
         if category == "outside" and rng.random() < 0.2:
             self.two_states = pick(rng, ["noise_on_dark", "two_states"]) == "two_states"
             return self.two_states or self._hide_dark_noise(rng)
-        search = Search(
-            self.problem(), self.named, self.outside, self.deviations, attempts=12, least_beyond=LEAST_BEYOND
-        )
+        search = Search(self.problem(), self.named, self.outside, self.deviations, attempts=12, min_beyond=MIN_BEYOND)
         names = list(self.outside if category == "outside" else self.named)
         hidden = search.hide(rng, category, names, self.entries, count)
         self.hidden = hidden or Hidden()
@@ -121,7 +119,7 @@ class RangeCase:
         self.entries.add_outside(
             {"name": "noise_on_dark", "parameters": parameters, "lr": round(ratio, 1)}, ("noise_scale", ratio)
         )
-        return self.bench.n * 0.75 * per_row >= LEAST_RATIO
+        return self.bench.n * 0.75 * per_row >= MIN_RATIO
 
     def _shows(self, hidden: Hidden) -> bool:
         """Return whether steps are coarse beside the noise, and whether enough rows are saturated."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.diagnosis.other_robots.draws import Array, log_uniform, pick, significant
-from benchmarks.diagnosis.other_robots.hidden import LEAST_RATIO
+from benchmarks.diagnosis.other_robots.hidden import MIN_RATIO
 from benchmarks.diagnosis.other_robots.range_noise import ROUNDING_M2
 from benchmarks.diagnosis.other_robots.ranges.bench import RangeBench
 
@@ -118,7 +118,7 @@ def draw_noise_effect(rng: np.random.Generator, b: RangeBench, fit: Array) -> No
     for _ in range(ATTEMPTS):
         values = DRAWS[name](rng, b)
         fixed, free = ratios(b, name, values, fit)
-        if min(fixed, free) >= LEAST_RATIO:
+        if min(fixed, free) >= MIN_RATIO:
             return NoiseEffect(name, values, free)
     return None
 

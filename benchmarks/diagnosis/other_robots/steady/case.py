@@ -24,7 +24,7 @@ from benchmarks.diagnosis.other_robots.motor import draw_motor
 from benchmarks.diagnosis.other_robots.steady.bench import NOMINAL, SteadyBench
 from benchmarks.diagnosis.other_robots.steady.table import named_table, outside_table
 
-LEAST_BEYOND = 30.0
+MIN_BEYOND = 30.0
 LEVELS = 21
 HEADER = ["row", "sweep", "split", "t_s", "u_cmd_V", "current_A", "omega_rad_s"]
 
@@ -80,7 +80,7 @@ class SteadyCase:
     def hide(self, rng: np.random.Generator, category: str, entries: Entries) -> Hidden | None:
         """Draw the effects."""
         problem = Problem(self.predict, self.whiten, self.table, NOMINAL)
-        search = Search(problem, self.named, self.outside, self.deviations, attempts=12, least_beyond=LEAST_BEYOND)
+        search = Search(problem, self.named, self.outside, self.deviations, attempts=12, min_beyond=MIN_BEYOND)
         names = list(self.outside if category == "outside" else self.named)
         if category != "outside" and self.sweeps <= 2:
             names.remove("friction_asymmetry")

@@ -25,7 +25,7 @@ from benchmarks.diagnosis.other_robots.steps.bench import NOMINAL, StepBench
 from benchmarks.diagnosis.other_robots.steps.commands import DT_S, draw_commands
 from benchmarks.diagnosis.other_robots.steps.table import named_table, outside_table
 
-LEAST_BEYOND = 30.0
+MIN_BEYOND = 30.0
 FINE_SUBSTEPS = 20
 HEADER = ["trial", "split", "session_time_s", "t_s", "u_cmd_V", "current_A", "omega_rad_s"]
 
@@ -92,9 +92,7 @@ class StepCase:
     def hide(self, rng: np.random.Generator, category: str, entries: Entries) -> Hidden | None:
         """Draw the effects."""
         problem = Problem(self.predict, self.whiten, self.table, NOMINAL, rounds=9)
-        search = Search(
-            problem, self.named, self.outside, self.deviations, attempts=4, least_beyond=LEAST_BEYOND, starts=1
-        )
+        search = Search(problem, self.named, self.outside, self.deviations, attempts=4, min_beyond=MIN_BEYOND, starts=1)
         hidden = search.hide(rng, category, list(self.outside if category == "outside" else self.named), entries)
         step = hidden.size("speed_coarse") if hidden else None
         return None if step is not None and step < 3 * self.sd[1] else hidden

@@ -36,7 +36,7 @@ def test_predictions_are_linear_in_the_coupling(case):
     assert np.sqrt(np.mean(error**2)) < 0.05 * np.sqrt(np.mean(both[evidence.fit] ** 2))
 
 
-@pytest.mark.parametrize(("share", "words"), [(0.08, "takes torque from"), (-0.08, "gives torque to")])
+@pytest.mark.parametrize(("share", "words"), [(0.08, "takes torque at the other"), (-0.08, "adds torque at the other")])
 def test_a_coupling_is_found_with_its_sign(case, share, words):
     stage, robot, evidence, nuisance = case
     exact = Evidence([stage])

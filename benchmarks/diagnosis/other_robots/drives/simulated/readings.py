@@ -4,12 +4,12 @@ import numpy as np
 
 from benchmarks.diagnosis.other_robots.draws import Array
 from benchmarks.diagnosis.other_robots.drives.log import Log
-from benchmarks.diagnosis.other_robots.drives.plans import Draws
 from benchmarks.diagnosis.other_robots.drives.robot import SENSORS, Robot
 from benchmarks.diagnosis.other_robots.drives.room import box_distance, mounted, wall_distance
+from benchmarks.diagnosis.other_robots.drives.simulated.plans import Draws
 from benchmarks.diagnosis.other_robots.drives.values import Values
 
-LEAST_RANGE_M = 0.005
+MIN_RANGE_M = 0.005
 
 
 def pose_delay(values: Values, t: Array) -> Array:
@@ -88,5 +88,5 @@ def add_readings(bot: Robot, draws: Draws, values: Values, offset: float, log: L
         if share:
             _filter(value, share, log.t)
         value = value + bot.factors["tof"] * bot.ranges.noise(np.nan_to_num(d)) * draws.reading[s]
-        hidden = (value > bot.ranges.reach) | (d > bot.ranges.reach) | (value < LEAST_RANGE_M)
+        hidden = (value > bot.ranges.reach) | (d > bot.ranges.reach) | (value < MIN_RANGE_M)
         log.ranges[s] = np.round(np.where(hidden, np.nan, value), 3)

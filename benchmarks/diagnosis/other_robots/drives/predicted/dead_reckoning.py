@@ -5,8 +5,8 @@ import numpy as np
 from benchmarks.diagnosis.other_robots.compiled import WHEEL_DT_S as DT_S
 from benchmarks.diagnosis.other_robots.draws import Array
 from benchmarks.diagnosis.other_robots.drives.log import Log
-from benchmarks.diagnosis.other_robots.drives.readings import marked, pose_delay
 from benchmarks.diagnosis.other_robots.drives.robot import Robot
+from benchmarks.diagnosis.other_robots.drives.simulated.readings import marked, pose_delay
 from benchmarks.diagnosis.other_robots.drives.table import SIDES
 from benchmarks.diagnosis.other_robots.drives.values import Values
 from benchmarks.diagnosis.other_robots.drives.wheels import missed_share

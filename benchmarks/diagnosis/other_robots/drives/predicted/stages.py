@@ -1,15 +1,15 @@
-"""Predictions of the three stages of a drive (measured.py)."""
+"""Predictions of the three stages of a drive (`measured.py`)."""
 
 import numpy as np
 
 from benchmarks.diagnosis.other_robots.compiled import WHEEL_DT_S as DT_S
 from benchmarks.diagnosis.other_robots.compiled import advance_wheels
 from benchmarks.diagnosis.other_robots.draws import Array
-from benchmarks.diagnosis.other_robots.drives.dead_reckoning import dead_reckoned
 from benchmarks.diagnosis.other_robots.drives.log import Log
-from benchmarks.diagnosis.other_robots.drives.measured import increments, measure, sensor_distance
-from benchmarks.diagnosis.other_robots.drives.readings import pose_delay
+from benchmarks.diagnosis.other_robots.drives.predicted.dead_reckoning import dead_reckoned
+from benchmarks.diagnosis.other_robots.drives.predicted.measured import increments, measure, sensor_distance
 from benchmarks.diagnosis.other_robots.drives.robot import NOMINAL, SENSORS, Robot
+from benchmarks.diagnosis.other_robots.drives.simulated.readings import pose_delay
 from benchmarks.diagnosis.other_robots.drives.table import POSES, RANGES, SIDES, WHEELS
 from benchmarks.diagnosis.other_robots.drives.values import Values
 from benchmarks.diagnosis.other_robots.drives.wheels import missed_share, wheel_parameters

@@ -5,12 +5,12 @@ import numpy as np
 from benchmarks.diagnosis.other_robots.compiled import WHEEL_DT_S as DT_S
 from benchmarks.diagnosis.other_robots.compiled import advance_wheels
 from benchmarks.diagnosis.other_robots.draws import Array
-from benchmarks.diagnosis.other_robots.drives.body import Body
-from benchmarks.diagnosis.other_robots.drives.driver import Driver
 from benchmarks.diagnosis.other_robots.drives.log import Log
-from benchmarks.diagnosis.other_robots.drives.plans import Draws
-from benchmarks.diagnosis.other_robots.drives.readings import add_readings
 from benchmarks.diagnosis.other_robots.drives.robot import Robot
+from benchmarks.diagnosis.other_robots.drives.simulated.body import Body
+from benchmarks.diagnosis.other_robots.drives.simulated.driver import Driver
+from benchmarks.diagnosis.other_robots.drives.simulated.plans import Draws
+from benchmarks.diagnosis.other_robots.drives.simulated.readings import add_readings
 from benchmarks.diagnosis.other_robots.drives.values import Values
 from benchmarks.diagnosis.other_robots.drives.wheels import wheel_parameters
 from benchmarks.diagnosis.other_robots.effects import Key, Table

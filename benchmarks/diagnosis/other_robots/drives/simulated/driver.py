@@ -3,8 +3,8 @@
 import numpy as np
 
 from benchmarks.diagnosis.other_robots.compiled import WHEEL_DT_S as DT_S
-from benchmarks.diagnosis.other_robots.drives.plans import Plan
 from benchmarks.diagnosis.other_robots.drives.robot import Robot
+from benchmarks.diagnosis.other_robots.drives.simulated.plans import Plan
 
 
 def _turn_to(x: float, y: float, heading: float, goal: tuple[float, float]) -> float:

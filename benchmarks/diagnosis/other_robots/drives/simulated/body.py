@@ -19,7 +19,7 @@ class Body:
         self.track = bot.track * (1 + theta[6] * bot.loose["b"]) * values.one("wheelbase_scale", 1.0)
         self.ticks_per_turn = bot.encoder.ticks * values.one("encoder_ticks_scale", 1.0)
         self.travel_noise = bot.travel * bot.factors["travel"]
-        self.least_turn = 0.02 * (1.4 * bot.speed / bot.track) * DT_S
+        self.min_turn = 0.02 * (1.4 * bot.speed / bot.track) * DT_S
         self.x, self.y, self.heading = start
         self.turned, self.count, self.speeds, self.last_turn = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], 0.0
 
@@ -75,9 +75,9 @@ class Body:
     def _kicked(self, turn: float) -> float:
         """Return the turn with the kick of a caster, which comes when the turn changes its direction."""
         kick = self.values.one("caster_kick")
-        if kick and np.sign(turn) * np.sign(self.last_turn) < 0 and abs(turn) > self.least_turn:
+        if kick and np.sign(turn) * np.sign(self.last_turn) < 0 and abs(turn) > self.min_turn:
             turn += kick * np.sign(turn)
-        if abs(turn) > self.least_turn:
+        if abs(turn) > self.min_turn:
             self.last_turn = turn
         return turn
 
