@@ -302,9 +302,16 @@ def _tried(evidence: Evidence, effect: CandidateEffect) -> list[list[float]]:
 
 
 def starts(evidence: Evidence, effect: CandidateEffect) -> Array:
-    """Return coordinates at which an effect should be visible: the start values, and floors between the samples."""
-    between = [_limits(evidence, effect, c)[-1:] if c.is_floor else [] for c in effect.coordinates]
-    return np.array([floor[0] if floor else c.start for c, floor in zip(effect.coordinates, between, strict=True)])
+    """Return coordinates at which an effect should be visible: the start values, and limits between the samples."""
+    return np.array([_visible(evidence, effect, coordinate) for coordinate in effect.coordinates])
+
+
+def _visible(evidence: Evidence, effect: CandidateEffect, coordinate: Coordinate) -> float:
+    """Return the start of a coordinate, or of a limit the tried value that most samples exceed or fall below."""
+    limits = _limits(evidence, effect, coordinate) if coordinate.is_ceiling or coordinate.is_floor else []
+    if not limits:
+        return coordinate.start
+    return min(limits) if coordinate.is_ceiling else max(limits)
 
 
 def _limits(evidence: Evidence, effect: CandidateEffect, coordinate: Coordinate) -> list[float]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.selection.scan import _tried, scan, scan_pairs
+from diagnosis.inference.selection.scan import _tried, scan, scan_pairs, starts
 
 
 @pytest.mark.parametrize("size_A", [1.0, 0.06, 40.0])
@@ -16,6 +16,14 @@ def test_limits_are_tried_between_the_samples_whatever_their_size(evidence_of, e
     assert shares.min() == pytest.approx(0.2, abs=0.01)
     assert shares.max() == pytest.approx(0.997, abs=0.002)
     assert np.diff(np.sort(shares))[-6:].max() < 0.04
+
+
+@pytest.mark.parametrize("size_A", [0.06, 1.0, 40.0])
+def test_a_limit_is_visible_in_samples_of_any_size(evidence_of, effect, size_A):
+    """A limit may lie below the largest sample even if its usual value, here 0.8 A, lies above all samples."""
+    x = np.linspace(-size_A, size_A, 1000)
+    (start,) = starts(evidence_of(x, x, heldout=0), effect("current_limit"))
+    assert np.exp(start) < 0.9 * size_A
 
 
 def test_two_effects_that_compensate_each_other_are_expected_together(evidence_of, hypothesis, effect):
