@@ -169,3 +169,9 @@ def coordinates(covariate: Covariate) -> Iterator[tuple[Array, Array]]:
 def _reach(values: Array) -> float:
     known = values[np.isfinite(values)]
     return float(np.ptp(known)) if len(known) else 0.0
+
+
+def each_path(series: RangeSeries) -> Iterator[Mask]:
+    """Yield the rows (n,) of each path of errors."""
+    for number in np.unique(series.path):
+        yield series.path == number

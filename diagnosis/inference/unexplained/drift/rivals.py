@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.drift.gauss_markov import Likelihoods, likelihoods
-from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, coordinates
+from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, coordinates, each_path
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
@@ -16,8 +16,6 @@ SHORT = (0.3, 0.45, 0.62)
 """Time constants of correlated noise, in rows of a bench: neighbours have a correlation of up to 0.2."""
 SHORT_OF_SERIES = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0)
 """The same in rows of a time series."""
-JUMP_ROWS = 4
-"""Rows at either end between which an offset may jump."""
 RATIOS = np.geomspace(0.01, 1000.0, 50)
 """Variance of the random drift over that of the white noise."""
 WITHOUT_WHITE = np.array([1e3])
@@ -97,30 +95,10 @@ def short_noise(series: RangeSeries, times_s: Array, max_level: float) -> tuple[
     return float(likely.costs[best]), float(likely.levels[best] * (1.0 + WITHOUT_WHITE[0]))
 
 
-def cost_of_jump(series: RangeSeries) -> float:
-    """Return the cost of an offset of one path that changes once, at the best moment."""
-    falls = [_fall_by_jump(series.z[inside], series.sd_m[inside]) for inside in _each_path(series)]
-    return series.cost_of(float(series.z @ series.z) - max(falls))
-
-
-def _fall_by_jump(z: Array, sd: Array) -> float:
-    """Return the fall of the sum of squares by the means before and after the best moment."""
-    if len(z) <= 2 * JUMP_ROWS + 1:
-        return 0.0
-    weight, weighed = np.cumsum(sd**-2.0), np.cumsum(z / sd)
-    before, after = weighed[:-1] ** 2 / weight[:-1], (weighed[-1] - weighed[:-1]) ** 2 / (weight[-1] - weight[:-1])
-    return float((before + after)[JUMP_ROWS:-JUMP_ROWS].max())
-
-
 def lines(series: RangeSeries) -> Array:
     """Return a constant and a line in time (n, 2 K) for each of the K paths."""
-    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in _each_path(series) for k in (0, 1)]
+    columns = [inside * (series.at - series.at[inside].mean()) ** k for inside in each_path(series) for k in (0, 1)]
     return np.stack(columns, axis=1)
-
-
-def _each_path(series: RangeSeries) -> Iterator[Mask]:
-    for number in np.unique(series.path):
-        yield series.path == number
 
 
 def left_over(z: Array, columns: Array) -> float:

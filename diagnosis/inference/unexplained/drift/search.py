@@ -16,6 +16,7 @@ from diagnosis.inference.fitting.likelihood import LEVEL_SD, LEVELS
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY, parameter_penalty
 from diagnosis.inference.selection.refusal import PER_PARAMETER, THRESHOLD, THRESHOLD_OF_NOISE
 from diagnosis.inference.unexplained.change import MOMENT_PARAMETERS
+from diagnosis.inference.unexplained.drift.elsewhere import Elsewhere
 from diagnosis.inference.unexplained.drift.gauss_markov import (
     ErrorModel,
     Likelihoods,
@@ -23,12 +24,12 @@ from diagnosis.inference.unexplained.drift.gauss_markov import (
     estimate,
     likelihoods,
 )
+from diagnosis.inference.unexplained.drift.jump import best_jump
 from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, range_rows
 from diagnosis.inference.unexplained.drift.rivals import (
     RATIOS,
     SHORT,
     SHORT_OF_SERIES,
-    cost_of_jump,
     cost_of_wave,
     gains_of_others,
     left_over,
@@ -52,21 +53,6 @@ TIMES = 12
 """Number of time constants that are tried, from the least one to the length of the measurement."""
 TIME_CONSTANT_LIMITS = RangeWander.parameters()["time_constant_s"]
 """Least and greatest time constant of the effect, which hold for rows of any distance."""
-
-
-@dataclass(frozen=True)
-class Elsewhere:
-    """What tolerances, and samples of other quantities, say about a change of the coordinates of a fit."""
-
-    information: Array
-    """(P, P)"""
-    pull: Array
-    """(P,), product of the information with the change that is most probable."""
-    squares: float
-    """Their sum of squares without a change."""
-
-    def squares_after(self, change: Array) -> float:
-        return float(self.squares - 2.0 * change @ self.pull + change @ self.information @ change)
 
 
 @dataclass(frozen=True)
@@ -203,10 +189,7 @@ class DriftSearch:
         inverse = np.linalg.inv(seen.error.covariance(series.at, series.sd_m))
         residual_m = series.residual_m - seen.estimate(series).change @ series.slopes_m
         z = inverse @ residual_m / np.sqrt(np.diag(inverse))
-        inside = np.flatnonzero(self.rows)[np.argsort(self.time_s[self.rows], kind="stable")]
-        rows = self.rows.copy()
-        rows[inside[np.abs(z) > OUTLIER]] = False
-        return replace(self, rows=rows)
+        return self._with_rows(np.abs(z) <= OUTLIER)
 
     def beside(self, fit: HypothesisFit) -> DriftFit:
         """Return a fit with a random drift beside it."""
@@ -245,11 +228,11 @@ class DriftSearch:
         yield self.cost_of_line(seen)
         # A jump has a size and a moment, which counts as two numbers, and a drift has two.
         of_jump = PARAMETER_PENALTY * (MOMENT_PARAMETERS if self.is_bench else 1)
-        yield cost_of_jump(seen.series) + of_jump
+        yield seen.cost + self._rise_with_jump(seen, seen.fit) + of_jump
         short_s = np.array(SHORT if self.is_bench else SHORT_OF_SERIES) * self.row_s
         short, level = short_noise(seen.series, short_s, seen.max_level)
         yield short + self._prior_of_level(seen, level) - self._prior_of_level(seen, seen.error.level)
-        yield cost_of_jump(self.series(nominal)) + of_jump - parameter_penalty(seen.fit)
+        yield seen.cost + self._rise_with_jump(seen, nominal) + of_jump - parameter_penalty(seen.fit)
         if self.is_bench:
             # Size, phase and length.
             yield cost_of_wave(seen.fit, self.ranges, self.rows) + 2.0 * PARAMETER_PENALTY
@@ -257,6 +240,27 @@ class DriftSearch:
         white = self.cost_of_white_noise(seen.fit)
         for gain in gains_of_others(seen.fit, self.times_s, self.ranges, self.time_s, self.rows):
             yield white - gain + PARAMETER_PENALTY
+
+    def _rise_with_jump(self, seen: DriftFit, fit: HypothesisFit) -> float:
+        """Return the rise of the cost by a jump beside a fit in the place of a random drift beside its own fit.
+
+        Beside a jump, offset and scale differ from those of the fit, which have taken over a part of it. Rows that are
+        outliers beside the jump count for neither; beside the fit, they may look like others.
+        """
+        jump = best_jump(self.series(fit), self.elsewhere(fit, seen.fit))
+        if jump is None:
+            return np.inf
+        if len(jump.z) < np.count_nonzero(self.rows):  # means over neighbours
+            return jump.cost - seen.joint_cost(seen.elsewhere)
+        search = self._with_rows(regular(jump.z, np.ones(len(jump.z), dtype=bool)))
+        beside, left = search.beside(seen.fit), best_jump(search.series(fit), search.elsewhere(fit, seen.fit))
+        return np.inf if left is None else left.cost - beside.joint_cost(beside.elsewhere)
+
+    def _with_rows(self, kept: Mask) -> "DriftSearch":
+        """Return the search in some of its rows (n,), which are in order of time."""
+        rows = self.rows.copy()
+        rows[np.flatnonzero(rows)[np.argsort(self.time_s[rows], kind="stable")]] = kept
+        return replace(self, rows=rows)
 
     def _prior_of_level(self, seen: DriftFit, level: float) -> float:
         """Return the prior cost of a variance of the noise, relative to that of a fit; one on a bench only."""

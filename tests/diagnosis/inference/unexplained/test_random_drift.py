@@ -158,6 +158,14 @@ def test_a_jump_is_no_random_drift(diagnosed):
     assert diagnosed(lambda t_s: np.where(t_s > 0.4 * t_s.max(), -0.02, 0.0)).names == ()
 
 
+@pytest.mark.parametrize("size_m", [-0.02, 0.02])
+def test_a_jump_that_a_wrong_scale_imitates_is_no_random_drift(swept, size_m):
+    """The distance grows for a quarter of the time, falls, and does so again; nothing else has happened."""
+    diagnosis = swept(lambda _, t_s: np.where(t_s > 0.55 * t_s.max(), size_m, 0.0))
+    assert diagnosis.names == ()
+    assert diagnosis.answer()["unexplained"]
+
+
 @pytest.mark.parametrize("seed", [2, 3, 5])
 def test_what_a_random_drift_explains_by_itself_is_no_effect(diagnosed, seed):
     """Over few time constants a random drift has a mean and a trend, which look like other effects."""
