@@ -21,6 +21,7 @@ from diagnosis.inference.naming.transfer import trial_groups
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy
 from diagnosis.inference.unexplained.scatter import SCATTER
+from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.posterior.random_slip import random_slip
@@ -170,7 +171,7 @@ def shown_structures(unexplained: Structure | None, nominal: Adequacy, observed:
     """
     for name in observed:
         of_quantity = nominal.of(name)
-        if unexplained is not None and unexplained.observed == name and not unexplained.what.startswith(SCATTER):
+        if unexplained is not None and unexplained.observed == name and not unexplained.what.startswith((SCATTER, UNEVEN)):
             yield unexplained
         elif of_quantity.structures:
             yield of_quantity.worst

@@ -20,6 +20,7 @@ from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
 from diagnosis.inference.unexplained.drift.random_drift import RandomDrift
 from diagnosis.inference.unexplained.scatter import SCATTER
+from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences.file_numbers import label
@@ -80,6 +81,8 @@ def _headline_of_unexplained(diagnosis: Diagnosis, structure: Structure, names: 
     if structure.what.startswith(SCATTER):
         by = "the noise that nominal.yaml states" if diagnosis.measurement.nominal else "the stated noise"
         what = f"{structure.channel} has a {structure.what.replace('the stated noise', by)}"
+    if structure.what.startswith(UNEVEN):
+        what = f"{structure.channel} has {structure.what}"
     where = f"{what}, and no known effect explains this"
     if diagnosis.measurement.checks:
         where = f"{what}; the warning about the log names a likely cause"
@@ -265,6 +268,10 @@ def unexplained_sentence(structure: Structure) -> str:
         return (
             f"The residuals of {structure.observed} have a {structure.what}, and no covariate explains it. The "
             f"probability of this by chance is {chance}, if the noise is stated correctly."
+        )
+    if structure.what.startswith(UNEVEN):
+        return (
+            f"The residuals of {structure.observed} have {structure.what}; the probability of this by chance is {chance}."
         )
     words, _ = quantity_words(structure.covariate)
     shape, _, sign = structure.what.partition(", ")

@@ -14,6 +14,7 @@ from scipy.special import chdtrc
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
+from diagnosis.inference.unexplained.uneven_noise import uneven_noise
 from symolo.core.arrays import Array
 
 OUTLIERS = 1.0 / 16.0
@@ -29,7 +30,7 @@ SCATTER = "scatter of"
 def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Adequacy:
     """Return the structures of a fit, and a scatter for each quantity without significant structure that has too much.
 
-    A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise
+    So is a scatter that differs between categories. A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise
     was estimated from the residuals.
     """
     tested = [
@@ -50,7 +51,10 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
             scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)}"))
-    return Adequacy(tuple(sorted((*scatters, *result.structures), key=lambda structure: structure.p)))
+    # Where the mean has structure, the residuals differ in size as well.
+    shapes = {structure.observed for structure in result.structures if structure.p < LEVEL}
+    uneven = [structure for structure in uneven_noise(evidence, fit) if structure.observed not in shapes]
+    return Adequacy(tuple(sorted((*scatters, *uneven, *result.structures), key=lambda structure: structure.p)))
 
 
 def _times(times: float, residuals: Array) -> str:

@@ -1,0 +1,65 @@
+"""Test whether the noise of separate readings differs between categories, such as the materials of targets.
+
+Residuals about zero may be adequate and still scatter more on one material than on others, which neither the stated
+noise nor an effect describes. The ranks of their absolute values are compared (Kruskal and Wallis, J. Am. Stat. Assoc.
+47 (1952) 583), so that neither outliers nor a wrong level of the noise matter.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.stats import kruskal
+
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.unexplained.adequacy import Structure
+from diagnosis.predictors.base import Covariate, CovariateShape
+from symolo.core.arrays import Array
+
+MIN_ROWS = 4
+"""Least number of rows of a category; those with fewer are left out."""
+UNEVEN = "noise that is"
+"""Beginning of what such a structure is."""
+
+
+def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
+    """Yield the differences of the noise between the categories of each covariate, for quantities that are no series."""
+    covariates = [
+        (number, rank, covariate)
+        for number, quantity in enumerate(evidence.observed)
+        for rank, covariate in enumerate(quantity.covariates)
+        if covariate.shape is CovariateShape.CATEGORY and not quantity.is_series
+    ]
+    for number, rank, covariate in covariates:
+        place, quantity = evidence.places[number], evidence.observed[number]
+        sizes = np.where(evidence.fit[place], np.abs(fit.z[place]), np.nan)
+        groups = _groups(covariate, sizes)
+        if len(groups) < 2 or len(np.unique(np.concatenate(list(groups.values())))) < 2:
+            continue
+        widest = max(groups, key=lambda label: float(np.median(groups[label])))
+        others = np.concatenate([group for label, group in groups.items() if label != widest])
+        times = float(np.median(groups[widest])) / max(float(np.median(others)), 1e-9)
+        yield Structure(
+            observed=quantity.name,
+            channel=quantity.channel,
+            covariate=covariate.name,
+            what=f"{UNEVEN} {times:.1f} times as large for {covariate.name} {widest} as for the others",
+            p=min(1.0, float(kruskal(*groups.values()).pvalue) * len(covariates)),
+            explainable=0.0,
+            rank=rank,
+            basis=np.zeros((len(evidence.values), 1)),
+            size=0.0,
+            is_over_time=False,
+        )
+
+
+def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
+    """Return the absolute residuals of each category with enough rows, by its name."""
+    groups = {}
+    for value in np.unique(covariate.values[np.isfinite(covariate.values)]):
+        inside = sizes[covariate.values == value]
+        inside = inside[np.isfinite(inside)]
+        if len(inside) >= MIN_ROWS:
+            name = covariate.labels[int(value)] if covariate.labels else f"{value:g}"
+            groups[name] = inside
+    return groups
