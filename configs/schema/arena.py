@@ -61,7 +61,7 @@ class LineConfig(Section):
     reflectance: float = Field(default=0.05, ge=0, le=1)
     """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
     pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
-    """Straights and arcs, in driving order."""
+    """Straights and arcs, in driving order; without any, the floor has no line."""
     course: LineCourse | None = Field(default_factory=absent, exclude=True)
     """Points of the line, in the place of `pieces`; the specification of a run has the pieces."""
 
@@ -158,7 +158,7 @@ class ArenaConfig(Section):
     description: str = ""
     """Description for people."""
     floor: Floor = Floor()
-    line: LineConfig
+    line: LineConfig = LineConfig()
     walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     polygons: Annotated[tuple[WallPolygon, ...], FromList] = Field(default_factory=tuple, exclude=True)

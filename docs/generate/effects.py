@@ -3,23 +3,32 @@
 import ast
 import inspect
 from collections.abc import Iterator
+from dataclasses import fields
 from itertools import pairwise
 
 from markdown_text import page, table, text
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
+from physics.drivetrain.bridge import Bridge, Chopper
+from physics.drivetrain.motion import ShaftMotion
+from physics.drivetrain.two_mass import Load, TwoMass
+from physics.robot.floor_place import FloorPlace
+from physics.robot.wheel_geometry import WheelGeometry
 from pipeline.effects.template_laws import LAWS
+from sensors.ranging.range_view import RangeView
 from symolo.core.field_descriptions import field_descriptions
 
 ABOUT = """This page lists all effects that a robot can have. The page [effects](../effects.md) explains what they have
 in common. Each effect is a setting, `robot.effects.<name>.<parameter>`, an axis of randomisation and a hypothesis of
 the diagnosis. *null* is the value at which the effect changes nothing. *start* is a plausible value with a visible
 effect, at which a fit begins."""
+ARGUMENTS = (RangeView, ShaftMotion, FloorPlace, WheelGeometry, Chopper, Bridge, TwoMass, Load)
+"""Classes of the arguments of `apply` that have several fields."""
 
 
 def effects() -> str:
-    parts = [*_slots(), *(part for effect in EFFECTS.classes() for part in _section(effect))]
+    parts = [*_slots(), *_arguments(), *(part for effect in EFFECTS.classes() for part in _section(effect))]
     return page("Effects", ABOUT, parts)
 
 
@@ -40,12 +49,25 @@ def _slots() -> Iterator[str]:
     yield table(("slot", "arguments and result of `apply`", "`effect new`"), rows)
 
 
+def _arguments() -> Iterator[str]:
+    yield "## Arguments with several fields"
+    yield "Names end in their units."
+    for argument in ARGUMENTS:
+        yield f"### {argument.__name__}"
+        yield f"`from {argument.__module__} import {argument.__name__}`"
+        words = dict(_documented(argument))
+        yield table(("field", "meaning"), [(f"`{field.name}`", text(words.get(field.name, ""))) for field in fields(argument)])
+
+
 def _documented(members: type) -> Iterator[tuple[str, str]]:
     """Yield the names of a class's attributes with the texts below them."""
     body = getattr(ast.parse(inspect.getsource(members)).body[0], "body", [])
     for attribute, words in pairwise(body):
-        if isinstance(attribute, ast.Assign) and isinstance(words, ast.Expr) and isinstance(words.value, ast.Constant):
-            yield ast.unparse(attribute.targets[0]), " ".join(str(words.value.value).split())
+        if not (isinstance(words, ast.Expr) and isinstance(words.value, ast.Constant)):
+            continue
+        if isinstance(attribute, ast.Assign | ast.AnnAssign):
+            name = attribute.targets[0] if isinstance(attribute, ast.Assign) else attribute.target
+            yield ast.unparse(name), " ".join(str(words.value.value).split())
 
 
 def _section(effect: type[Effect]) -> Iterator[str]:

@@ -12,6 +12,7 @@ class ShaftMotion:
     direction: Array
     """Direction of the motion, at rest of the torque that would start it: -1, 0 or +1."""
     speed_rad_s: Array
+    """Speed of the shaft, as at the wheel."""
     time_s: float | Array
     """Time since the motor was first switched on."""
     trend: float | Array
@@ -19,6 +20,7 @@ class ShaftMotion:
     x_m: float | Array = 0.0
     """Place of the middle of the axle in W; 0 on a bench, and where it is not known."""
     y_m: float | Array = 0.0
+    """The same along y."""
 
 
 def voltage_trend(command_V: Array) -> Array:

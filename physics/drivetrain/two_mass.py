@@ -14,7 +14,9 @@ MIN_DAMPING_N_M_S_RAD = 1e-12
 @dataclass(frozen=True)
 class TwoMass:
     motor_rad_s: Array
+    """Speed of the motor side, as at the wheel shaft."""
     load_rad_s: Array
+    """Speed of the wheel."""
     slack_rad: Array
     """Angle of the motor side ahead of mid-gap."""
 
@@ -26,8 +28,11 @@ class Load:
     torque_N_m: Array
     """Torque at rest."""
     damping_N_m_s_rad: Array
+    """Fall of the torque per speed."""
     friction_N_m: Array
+    """Torque of the dry friction against the motion."""
     inertia_kg_m2: Array
+    """Inertia of the mass."""
 
     def moved(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
         """Return speed [rad/s] after a time and turned angle [rad]; exact, through a stop and a start."""

@@ -17,6 +17,7 @@ class FloorPlace:
     x_m: float | Array
     """Place of the middle of the axle in W."""
     y_m: float | Array
+    """The same along y."""
     time_s: float | Array
     """Time since power-on."""
 

@@ -8,7 +8,9 @@ from configs.schema.robot import Drive
 @dataclass(frozen=True)
 class WheelGeometry:
     right_radius_m: float
+    """Rolling radius of the right wheel."""
     left_radius_m: float
+    """Rolling radius of the left wheel."""
     track_m: float
     """Distance between the two ground contact points (paper Eq. 2)."""
 

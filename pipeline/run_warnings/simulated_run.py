@@ -31,6 +31,10 @@ BESIDE_M = 0.1
 ALONG_RAD, ACROSS_RAD = radians(10.0), radians(20.0)
 """Largest angle of a start along the line, and smallest angle of one that leads away from it."""
 SPACING_M = 0.005
+NO_LINE = (
+    "the arena has no line that the built-in controller could follow; give arena.line its pieces, or name a controller "
+    "of your own (scenario.controller)"
+)
 
 
 def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
@@ -77,6 +81,8 @@ def _suspicions(spec: RunSpec) -> Iterator[Suspicion]:
     yield from _outside_the_body(spec.robot)
     if spec.board is None and spec.controller is None:
         yield from _too_slow(spec.robot)
+        if not line.pieces:
+            yield Suspicion("arena.line", NO_LINE)
     if line.pieces and spec.board is None and spec.controller is None:
         yield from _starts_beside(spec, line)
         yield from _no_time_for_a_lap(spec, line)

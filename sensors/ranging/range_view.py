@@ -21,6 +21,7 @@ class RangeView:
     """One value per reading; in an array of sensors they are along the last axis."""
 
     distance_m: Array
+    """True distance to the surface, as the mean over the rays of the beam, weighted with the light that returns."""
     previous_distance_m: Array
     """Distance at the sensor's reading before, on a bench and in a log of the case format that of the row before; the
     present one at the first reading, and in the diagnosis of a scan or of a log whose rows repeat readings."""
@@ -31,11 +32,15 @@ class RangeView:
     tilt_sideways_rad: Array
     """Part of this angle by which the axis points beside the normal of the surface, positive to the left."""
     reflectance: Array
+    """Share of the sensor's infrared light that the surface returns, 0 to 1."""
     material_share: Mapping[str, Array]
     """Share of the returned light that comes from each material, by its name."""
     temperature_C: float | Array
+    """Temperature of the sensor."""
     reference_temperature_C: float
+    """Temperature at which the sensor was calibrated."""
     ambient_lux: float | Array
+    """Light of the surroundings on the target."""
     time_s: float | Array
     """Time since power-on."""
     sensor: int | NDArray[np.int64] = OTHER_SENSOR

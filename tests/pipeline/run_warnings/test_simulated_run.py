@@ -240,3 +240,15 @@ def test_terminal_metadata_and_report_have_the_warning(tmp_path, symolo, hands, 
     (run,) = json.loads((out / "metadata.json").read_text())["runs"]
     assert any("looks like radians" in text for text in run["warnings"])
     assert "looks like radians" in (out / "README.md").read_text()
+
+
+ROOM = "name: room\npolygons:\n  - {name: wall, points: [[-2, -1.5], [2, -1.5], [2, 1.5], [-2, 1.5]]}\n"
+
+
+def test_an_arena_may_have_no_line_which_the_built_in_controller_needs(tmp_path):
+    (tmp_path / "room.yaml").write_text(ROOM)
+    (tmp_path / "scenario.yaml").write_text("extends: smoke\narena: room.yaml\n")
+    specs = draw_all(load_scenario(str(tmp_path / "scenario.yaml")))
+    assert all(spec.arena.line.pieces == () for spec in specs)
+    (warning,) = plan_warnings(specs)
+    assert "the arena has no line that the built-in controller could follow" in warning
