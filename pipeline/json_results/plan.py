@@ -77,6 +77,8 @@ class PlanResult(JsonResult):
     """Images of the further cameras of the runs, without rows."""
     bytes: int
     """Disk space, stages included; estimated, or measured with --images."""
+    dataset_bytes: int
+    """The part of it that the dataset takes, without the stages."""
     time_s: float
     """Time on this machine to simulate and render; estimated, or measured with --images."""
     robots: str = ""
@@ -98,6 +100,7 @@ class PlanResult(JsonResult):
             runs=[PlannedRunPart.of(run) for run in plan.runs],
             cameras=[PlannedRunPart.of(camera) for camera in plan.cameras],
             bytes=plan.bytes_needed,
+            dataset_bytes=plan.dataset_bytes,
             time_s=time_s,
             robots=plan.robots,
             beyond_measured=list(plan.demands),
@@ -116,5 +119,13 @@ class PlanResult(JsonResult):
             bytes=cost.bare_bytes,
             annotated_bytes=cost.annotated_bytes,
         )
-        whole, time_s = round(COPIES * cost.bare_bytes), round(price.alone_s(cost), 3)
-        return cls(scenario=scenario, cores=cores, images=images, runs=[], bytes=whole, time_s=time_s, price=part)
+        return cls(
+            scenario=scenario,
+            cores=cores,
+            images=images,
+            runs=[],
+            bytes=round(COPIES * cost.bare_bytes),
+            dataset_bytes=round(cost.bare_bytes),
+            time_s=round(price.alone_s(cost), 3),
+            price=part,
+        )

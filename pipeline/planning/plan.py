@@ -49,8 +49,8 @@ ANNOTATION_BYTES_PER_PIXEL = 0.6
 """Size [byte] of all annotations of a pixel; the flow alone takes nine tenths of it."""
 BYTES_PER_IMAGE = 4096
 """Size [byte] of an image beside its pixels: tables, and the unused rest of a disk block."""
-BYTES_PER_JOB = 2_500_000
-"""Size [byte] of the job of a run: the scene as text, 1.6 MB with a furnished room, and the poses."""
+BYTES_PER_JOB = 3_500_000
+"""Size [byte] of the job of a run: the scene as text, with the poses. It was 1.6 to 5.3 MB in 30 random rooms."""
 BYTES_PER_ROW = 600
 """Size [byte] of a row in data.csv, side files and the stored trajectory."""
 COPIES = 2
@@ -77,17 +77,26 @@ class PlannedRun:
     images of further cameras."""
 
     @property
-    def bytes_needed(self) -> int:
+    def dataset_bytes(self) -> int:
+        """Disk space [byte] in the dataset, without the stages."""
         pixels = self.images * self.width_px * self.height_px
-        if not self.images:
-            return COPIES * self.rows * BYTES_PER_ROW
-        return image_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
+        return _one_copy(self.images, pixels, annotated=self.annotated) + self.rows * BYTES_PER_ROW
+
+    @property
+    def bytes_needed(self) -> int:
+        """Disk space [byte], stages included."""
+        jobs = (1 + self.annotated) * BYTES_PER_JOB if self.images else 0
+        return COPIES * self.dataset_bytes + jobs
 
 
 def image_bytes(images: int, pixels: int, *, annotated: bool) -> int:
     """Return the disk space [byte] of a run's images, of `pixels` pixels in all, with the jobs that render them."""
+    return COPIES * _one_copy(images, pixels, annotated=annotated) + (1 + annotated) * BYTES_PER_JOB
+
+
+def _one_copy(images: int, pixels: int, *, annotated: bool) -> int:
     per_pixel = BYTES_PER_PIXEL + (ANNOTATION_BYTES_PER_PIXEL if annotated else 0.0)
-    return round(COPIES * (pixels * per_pixel + images * BYTES_PER_IMAGE) + (1 + annotated) * BYTES_PER_JOB)
+    return round(pixels * per_pixel + images * BYTES_PER_IMAGE)
 
 
 @dataclass(frozen=True)
@@ -129,8 +138,13 @@ class ScenarioPlan:
 
     @property
     def bytes_needed(self) -> int:
-        """Disk space [byte] with some reserve."""
+        """Disk space [byte] with some reserve, stages included."""
         return sum(run.bytes_needed for run in self._all)
+
+    @property
+    def dataset_bytes(self) -> int:
+        """Disk space [byte] of the dataset without the stages."""
+        return sum(run.dataset_bytes for run in self._all)
 
     @property
     def simulation_s(self) -> float:
@@ -163,7 +177,7 @@ class ScenarioPlan:
             *([f"robots     {self.robots}"] if self.robots else []),
             *(f"beyond     {line}" for line in self.demands),
             *(f"WARNING    {line}" for line in self.warnings),
-            f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
+            f"disk       about {self.bytes_needed / 1e6:.0f} MB: {self.dataset_bytes / 1e6:.0f} MB of data, the rest in .stages",
             f"simulate   about {seconds(self.simulation_s)}",
             *([f"render     about {seconds(self.render_s)}"] if self.images else []),
         ]
@@ -245,18 +259,11 @@ def _samples(sampled: TracingSettings) -> str:
 
 
 def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
-    render, config = camera.spec.render, camera.spec.robot.camera
+    render = camera.spec.render
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
     image_hz = 1 / camera.period_s if camera.period_s else spec.rates.camera_hz
     images = int(duration_s * image_hz + 1e-9) + 1 if image_hz else 0
-    pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
-    pinhole = pinhole_image(intrinsics(config, render.width_px, render.height_px)).camera
-    traced = pinhole.width_px * pinhole.height_px
     sampled = tracing_settings(render, spec.seed, images=images)
-    image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
-    measured = len(probed_numbers(images)) if sampled.probe else 0
-    choice_s = measured * traced * _probed_samples(sampled) * _sample_s(sampled)
-    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),
         duration_s=duration_s,
@@ -265,10 +272,30 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         images=images,
         width_px=render.width_px,
         height_px=render.height_px,
-        annotated=annotated,
+        annotated=bool(render.annotations),
         quality=render.quality,
         sampling=sampled,
-        margin=traced / pixels,
-        render_core_s=RENDER_START_S + choice_s + images * image_s + annotation_s if images else 0.0,
+        margin=_traced(camera) / (render.width_px * render.height_px),
+        render_core_s=render_core_s(camera, images),
         start_to_line="" if camera.name else start_to_line(spec),
     )
+
+
+def render_core_s(camera: RunCamera, images: int) -> float:
+    """Return the time [s] of one core for a number of images of a camera in one run, annotations included."""
+    if not images:
+        return 0.0
+    render, traced = camera.spec.render, _traced(camera)
+    sampled = tracing_settings(render, camera.spec.seed, images=images)
+    image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
+    measured = len(probed_numbers(images)) if sampled.probe else 0
+    choice_s = measured * traced * _probed_samples(sampled) * _sample_s(sampled)
+    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S)
+    return RENDER_START_S + choice_s + images * image_s + (annotation_s if render.annotations else 0.0)
+
+
+def _traced(camera: RunCamera) -> int:
+    """Return the number of pixels that are traced for an image, with the margin that the lens needs."""
+    render = camera.spec.render
+    pinhole = pinhole_image(intrinsics(camera.spec.robot.camera, render.width_px, render.height_px)).camera
+    return pinhole.width_px * pinhole.height_px

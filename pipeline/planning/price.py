@@ -14,7 +14,7 @@ from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.planning.plan import BYTES_PER_ROW, ScenarioPlan
+from pipeline.planning.plan import BYTES_PER_JOB, BYTES_PER_ROW, ScenarioPlan
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.cameras import without_further_cameras
 from pipeline.stages.render import journal
@@ -98,7 +98,8 @@ class Price:
             f"simulate   {_hours(cost.simulate_h)} core-hours",
             f"render     {_hours(cost.render_h)} {unit}-hours: {self.render_s:.3g} s per image, {block}",
             f"annotate   {_hours(cost.annotate_h)} {unit}-hours more for all annotations: {annotate}",
-            f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; twice that while .stages is kept",
+            f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; .stages has another",
+            f"           copy, and {BYTES_PER_JOB / 1e6:.1f} MB for each run, twice with annotations",
             f"shards     {_shards(bare)} of {SHARD_BYTES / 1e9:g} GB, with all annotations {_shards(whole)}",
             f"here       about {seconds(self.alone_s(cost))} without annotations"
             + (f", on {cores()} cores" if self.device == "CPU" else ""),

@@ -17,7 +17,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import Render, RunSpec, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.importing.imported_runs import DEFAULT_SCENARIO
-from pipeline.planning.plan import BYTES_PER_ROW, image_bytes
+from pipeline.planning.plan import BYTES_PER_ROW, image_bytes, render_core_s
 from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.rerendering.room_check import check_on_the_floor
@@ -172,7 +172,7 @@ def check_place(
         raise InputError(what, where=str(out), cure="name a folder with --out")
     workspace, specs = Workspace(out.absolute(), Kind.RERENDERED), [run.spec for run in rerendering.runs]
     check_losses(workspace, rerendering.tree, specs, report, replace=replace, dry_run=dry_run)
-    check_disk(out, sum(map(_bytes_needed, rerendering.runs)))
+    check_disk(out, sum(cost_of(run).bytes_needed for run in rerendering.runs))
 
 
 def make_release(
@@ -203,12 +203,25 @@ def folder_name(sources: Sources, request: RerenderRequest) -> str:
     return "-".join((sources.title, *dict.fromkeys(looks)))
 
 
-def _bytes_needed(run: ExternalRun) -> int:
-    needed = 2 * BYTES_PER_ROW * len(run.rows.t_ms)
+@dataclass(frozen=True)
+class RerenderCost:
+    """What the images of a run take, those of all cameras together."""
+
+    images: int
+    core_s: float
+    """Estimated time [s] of one core."""
+    bytes_needed: int
+    """Estimated disk space [byte], stages included."""
+
+
+def cost_of(run: ExternalRun) -> RerenderCost:
+    """Return what the images of a run take."""
+    total, core_s, needed = 0, 0.0, 2 * BYTES_PER_ROW * len(run.rows.t_ms)
     for camera in cameras_of(run.spec):
         render, images = camera.spec.render, int(np.count_nonzero(camera.rows(run.rows).image))
+        total, core_s = total + images, core_s + render_core_s(camera, images)
         needed += image_bytes(images, images * render.width_px * render.height_px, annotated=bool(render.annotations))
-    return needed
+    return RerenderCost(total, core_s, needed)
 
 
 def _check_each_once(names: Sequence[str]) -> None:

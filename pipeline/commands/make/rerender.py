@@ -196,14 +196,16 @@ def rerender(
 
 
 def _print_plan(rerendering: "Rerendering", out: Path) -> None:
-    """Print what would be rendered: each run with its look and its number of images."""
-    import numpy as np
-
-    from symolo.core.progress import plural
+    """Print what would be rendered: each run with its look and its number of images, then size and time."""
+    from pipeline.rerendering.rerender import cost_of
+    from symolo.core.progress import plural, seconds
 
     for text in rerendering.warnings:
         typer.echo(f"warning: {text}")
-    counts = [int(np.count_nonzero(run.rows.image)) for run in rerendering.runs]
-    for run, count in zip(rerendering.runs, counts, strict=True):
-        typer.echo(f"{run.spec.key}: look {run.spec.look.name}, {plural(count, 'image')}")
-    typer.echo(f"{out}: {plural(len(counts), 'run')}, {plural(sum(counts), 'image')}; nothing was rendered")
+    costs = [cost_of(run) for run in rerendering.runs]
+    for run, cost in zip(rerendering.runs, costs, strict=True):
+        typer.echo(f"{run.spec.key}: look {run.spec.look.name}, {plural(cost.images, 'image')}")
+    images, megabytes = sum(cost.images for cost in costs), sum(cost.bytes_needed for cost in costs) / 1e6
+    duration = seconds(sum(cost.core_s for cost in costs))
+    typer.echo(f"on one core without a graphics card about {duration}; disk about {megabytes:.0f} MB, stages included")
+    typer.echo(f"{out}: {plural(len(costs), 'run')}, {plural(images, 'image')}; nothing was rendered")

@@ -101,10 +101,22 @@ def test_a_dry_run_prints_the_runs_and_writes_nothing(dataset, tmp_path, symolo)
     out = tmp_path / "out"
     ended = symolo("rerender", dataset, "--looks", "lab,night", "--out", out, "--dry-run")
     assert ended.code == 0
-    first, *_, last = ended.out.splitlines()
+    first, *_, cost, last = ended.out.splitlines()
     assert re.fullmatch(r"CW-lab_1/test_1: look lab, \d+ images?", first)
     assert re.fullmatch(r".*/out: 4 runs, \d+ images; nothing was rendered", last)
+    assert re.fullmatch(r"on one core without a graphics card about \d.*; disk about \d+ MB, stages included", cost)
     assert not out.exists()
+
+
+def test_a_dry_run_counts_the_images_of_all_cameras(dataset, tmp_path, symolo):
+    """Runs of a second have two images of a camera of 1 Hz."""
+    rear = "robot.sensors.rear={kind: camera, z_m: 0.1, rate_hz: 1, width_px: 32, height_px: 24}"
+    counts = []
+    for settings in ((), ("--set", rear)):
+        ended = symolo("rerender", dataset, "--look", "lab", *settings, "--out", tmp_path / "out", "--dry-run")
+        counts.append([int(text) for text in re.findall(r"look lab, (\d+) image", ended.out)])
+    without, both = np.array(counts)
+    assert (both - without).tolist() == [2, 2]
 
 
 def test_a_part_of_the_runs_is_chosen_by_a_pattern(dataset, prepared):
