@@ -121,9 +121,10 @@ def _units(trial: EffectTrial) -> None:
 
 
 def spelled(unit: str) -> tuple[str, ...]:
-    """Return a unit as the end of a name: `m/K` is `m_per_K` or `m_K`, `1/min` is `per_minute`."""
+    """Return a unit as the end of a name: `m/K` is `m_per_K` or `m_K`, `1/m` is `per_m` or `1_m`."""
     words = unit.replace("1/min", "1/minute").replace("sqrt(m)", "sqrt_m").replace(" ", "_")
-    return tuple(dict.fromkeys(words.replace("1/", "per_").replace("/", sign) for sign in ("_per_", "_")))
+    inverse = [words.replace("1/", start) for start in ("per_", "1_")]
+    return tuple(dict.fromkeys(each.replace("/", sign) for each in inverse for sign in ("_per_", "_")))
 
 
 def _settings(trial: EffectTrial) -> None:

@@ -134,6 +134,11 @@ def test_the_good_one_keeps_every_rule(written):
     assert problems(written(GOOD)) == []
 
 
+def test_an_inverse_unit_may_be_spelled_as_in_the_names_of_the_settings(written):
+    """A setting of the controller is `face_gain_1_s`."""
+    assert problems(written(GOOD.replace("bend_per_A", "bend_1_A")), "units") == []
+
+
 @pytest.mark.parametrize(("rule", "change", "message"), BROKEN)
 def test_a_broken_rule_is_named_with_its_reason(written, rule, change, message):
     assert GOOD.count(change[0]) == 1
