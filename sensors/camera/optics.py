@@ -18,7 +18,7 @@ def blurred(light: FloatImage, sd_px: float) -> FloatImage:
 
 def defocused(light: FloatImage, diameter_px: float) -> FloatImage:
     """Return light out of focus: each point becomes an even disc (the circle of confusion) of this diameter."""
-    if diameter_px == 0:
+    if diameter_px <= 1:  # the disc lies within its pixel
         return light
     return cv2.filter2D(light, cv2.CV_32F, disc(diameter_px)).astype(np.float32, copy=False)
 

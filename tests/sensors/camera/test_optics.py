@@ -63,6 +63,16 @@ def test_an_edge_out_of_focus_is_as_wide_as_its_disc():
     assert at[1] - at[0] == pytest.approx(0.687 * 12.0, rel=0.02)
 
 
+@pytest.mark.parametrize("diameter_px", [1e-6, 0.03, 0.07, 0.5, 1.0])
+def test_a_disc_within_one_pixel_changes_nothing(diameter_px):
+    light = np.random.default_rng(1).random((6, 8, 3)).astype(np.float32)
+    assert np.array_equal(defocused(light, diameter_px), light)
+
+
+def test_a_disc_a_little_larger_than_a_pixel_keeps_the_light():
+    assert disc(1.001).sum() == pytest.approx(1.0)
+
+
 def test_the_settings_reach_the_image():
     light = np.random.default_rng(2).uniform(0.05, 0.4, (48, 64, 3)).astype(np.float32)
     plain = develop(light, CameraResponse.from_look(PLAIN, (1.0, 1.0, 1.0), 1, 92), 0.2, 1).astype(float)
