@@ -14,6 +14,8 @@ the level of a random torque is estimated. The correlation is what this form lea
 """
 
 from dataclasses import replace
+from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,7 @@ from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.likelihood import LEVEL_SD
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.noise import noise_of_differences, trimmed_variance
+from diagnosis.measured.noise import BLOCKS, MIN_BLOCK_ROWS, noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.count_noise import CountNoise
 from symolo.core.arrays import Array
@@ -39,6 +41,10 @@ MIN_AUTOCORRELATION = 0.03
 MAX_CORRELATION = 0.9
 NOISES = (0.5, 2.0)
 """Least and greatest noise of a speed that is computed from counts, relative to what is stated."""
+CLEAR = 3.0
+"""Standard errors by which a correlation must exceed the stated one to be used in its place."""
+MATERIAL_CORRELATION = 0.1
+"""Excess of a correlation that matters."""
 TORQUES = 24
 """Number of levels of the random torque that are tried."""
 
@@ -70,6 +76,49 @@ def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
             torque=noise.torque,
         )
     return evidence.with_noises(noises)
+
+
+def with_clear_correlations(evidence: Evidence, fit: HypothesisFit) -> Evidence:
+    """Return the evidence with the correlation of those series whose residuals clearly contradict the stated one.
+
+    Rows that are more correlated than stated are worth less, and look like structure otherwise.
+    """
+    noises = dict(evidence.noises)
+    for quantity, place, assumed in zip(evidence.observed, evidence.places, evidence.correlations, strict=True):
+        if not quantity.is_series or is_open(quantity):
+            continue
+        z = np.where(evidence.fit[place], fit.z[place], np.nan)
+        correlation, error = correlation_of_differences(z, quantity.trial)
+        if assumed + MATERIAL_CORRELATION < correlation - CLEAR * error:
+            before = noises.get(quantity.name, EstimatedNoise(1.0, assumed))
+            noises[quantity.name] = replace(before, correlation=min(correlation, MAX_CORRELATION))
+    return evidence if noises == dict(evidence.noises) else evidence.with_noises(noises)
+
+
+def correlation_of_differences(z: Array, trial: NDArray[np.int64]) -> tuple[float, float]:
+    """Return the correlation of successive residuals, to which slow misfit adds little, and its standard error.
+
+    Differences of AR(1) noise over two rows have 1 + p times the variance of those over one row. Outliers are trimmed.
+    The error is that of the jackknife, with each of some blocks of rows left out in turn; infinite with few rows.
+
+    Args:
+        z: (n,), residuals, NaN where there is none.
+        trial: (n,), trial of each row.
+    """
+    differences = [np.where(trial[lag:] == trial[:-lag], z[lag:] - z[:-lag], np.nan) for lag in (1, 2)]
+    if min(np.count_nonzero(np.isfinite(each)) for each in differences) < BLOCKS * MIN_BLOCK_ROWS:
+        return 0.0, np.inf
+    edges = np.linspace(0, len(z), BLOCKS + 1).astype(int)
+    without = []
+    for begin, end in pairwise(edges.tolist()):
+        kept = [np.concatenate([each[:begin], each[end:]]) for each in differences]
+        without.append(_ratio(*kept))
+    return _ratio(*differences) - 1.0, float(np.std(without)) * sqrt(BLOCKS - 1)
+
+
+def _ratio(one: Array, two: Array) -> float:
+    near = trimmed_variance(one)
+    return trimmed_variance(two) / near if near > 0.0 else 1.0
 
 
 def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:

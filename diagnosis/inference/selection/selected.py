@@ -7,7 +7,7 @@ import numpy as np
 
 from diagnosis.inference.evidence.early_voltages import early_fit, with_updated_share
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.noise_level import with_estimated_noises
+from diagnosis.inference.evidence.noise_level import with_clear_correlations, with_estimated_noises
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.selection.stepwise import Selection, select
@@ -21,6 +21,9 @@ def selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateEf
     selection = select(evidence, bare, effects)
     # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
     updated = with_updated_share(with_estimated_noises(evidence, selection.fit), selection.fit)
+    correlated = with_clear_correlations(updated, selection.fit)
+    if correlated is not updated:
+        return correlated, select(correlated, bare, effects)
     if np.any(updated.weight * evidence.sd**2 > MAX_WEIGHT_RATIO * evidence.weight * updated.sd**2):
         return updated, select(updated, bare, effects, selection)
     return evidence, selection

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.inference.evidence.noise_level import lasting
+from diagnosis.inference.evidence.noise_level import correlation_of_differences, lasting
 
 
 def ar1(p, rows, seed):
@@ -40,3 +40,23 @@ def test_a_slow_misfit_is_no_noise_and_gaps_and_trials_are_no_neighbours():
 
 def test_too_few_rows_say_nothing():
     assert lasting(ar1(0.8, 40, 1), np.zeros(40, dtype=int)) == 0.0
+
+
+@pytest.mark.parametrize("p", [0.0, 0.3, 0.6])
+def test_differences_show_the_correlation_beside_a_slow_misfit_and_outliers(p):
+    """A misfit of three standard deviations with three waves in 2000 rows; one row in fifty is an outlier."""
+    slow = 3.0 * np.sin(np.linspace(0.0, 6.0 * np.pi, 2000))
+    found = []
+    for seed in range(8):
+        z = ar1(p, 2000, seed) + slow
+        z[::50] += 20.0
+        found.append(correlation_of_differences(z, np.repeat(np.arange(4), 500)))
+    correlations, errors = np.array(found).T
+    assert correlations.mean() == pytest.approx(p, abs=0.03)
+    # The standard error of the least squares estimate is sqrt((1 - p^2) / n); trimming makes it up to twice as large.
+    assert np.sqrt((1.0 - p**2) / 2000) < np.median(errors) < 4.0 * np.sqrt((1.0 - p**2) / 2000)
+    assert np.all(np.abs(correlations - p) < 4.0 * errors + 0.02)
+
+
+def test_few_differences_have_no_certain_correlation():
+    assert correlation_of_differences(ar1(0.8, 100, 1), np.zeros(100, dtype=int))[1] == np.inf
