@@ -36,6 +36,7 @@ from diagnosis.predictors.rows import (
     trial_covariate,
     trial_of_rows,
 )
+from diagnosis.predictors.turning_loads import TURNING, turning_loads
 from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
 from physics.robot.stack import MOTOR_TORQUE_SLOTS, stackable_groups, stacked
@@ -63,6 +64,8 @@ ERROR_SHARE = 0.1
 """Error by the division that does not matter, as a share of the noise."""
 DEAD_ZONES = tuple(np.geomspace(0.01, 0.16, 25).tolist())
 """Widths of dead zones of the voltage that are tried, as shares of the supply's voltage."""
+LOAD = 0.02
+"""Voltage that the largest torque of a turning load takes, as a share of the supply's voltage."""
 
 
 class Wheels:
@@ -89,19 +92,29 @@ class Wheels:
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         if any(trial.held_inputs for trial in measurement.trials):
             speeds = self._divided(measurement, nominal, ERROR_SHARE * (sd or UNSTATED_RAD_S))
-        early, dead_zones = self._early_voltages(measurement, nominal), self._dead_zones(nominal)
+        early = self._early_voltages(measurement, nominal)
+        trial = trial_of_rows(measurement)
+        commanded = [as_commanded(speed, each, trial) for speed, each in zip(speeds, set_speeds, strict=True)]
+        dead_zones, loads = self._dead_zones(nominal), self._turning_loads(nominal, commanded)
         observed = (
             replace(
                 self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S),
                 early=each,
-                input_errors=errors,
+                input_errors=(*zones, *of_turns),
             )
-            for side, speed, set_speed, each, errors in zip(SIDES, speeds, set_speeds, early, dead_zones, strict=True)
+            for side, speed, set_speed, each, zones, of_turns in zip(
+                SIDES, speeds, set_speeds, early, dead_zones, loads, strict=True
+            )
         )
+        turning = _turning(nominal, commanded)
         keep_shares = self._keep_shares(nominal)
         self.observed: tuple[Observed, ...] = tuple(
-            replace(each, count_noise=self._count_noise(each, keep))
-            for each, keep in zip(observed, keep_shares, strict=True)
+            replace(
+                each,
+                count_noise=self._count_noise(each, keep),
+                covariates=(*each.covariates, replace(turning, size=np.sign(np.nan_to_num(speed)))),
+            )
+            for each, keep, speed in zip(observed, keep_shares, commanded, strict=True)
         )
 
     def _measured_rows(self, measurement: Measurement) -> MeasuredRows:
@@ -172,20 +185,36 @@ class Wheels:
 
     def _dead_zones(self, nominal: RobotConfig) -> tuple[tuple[InputResponse, ...], ...]:
         """Return the responses of the left and the right wheel to bridges that ignore voltages below a threshold."""
-        widths_V = nominal.power.battery_voltage_V * np.array([0.0, *DEAD_ZONES])
-        voltage_V = self._voltage_V[:, None]
-        ignored = np.abs(voltage_V) <= widths_V[:, None, None]
-        trials = len(self._grid.begins_s)
-        side_by_side = np.where(ignored, 0.0, voltage_V).reshape(len(voltage_V), -1, len(SIDES))
-        model = RobotModel.from_config(stacked([nominal], axes=2))
-        begins_s = np.tile(self._grid.begins_s, len(widths_V))
-        turned = counted_turns(model, side_by_side, self._grid.period_s, begins_s, self._load, self._parts)
-        speeds = self._mean_speeds(turned.reshape(len(turned), len(widths_V), trials, len(SIDES)))
-        changes = np.nan_to_num(speeds[1:] - speeds[0])
+        widths_V = nominal.power.battery_voltage_V * np.array(DEAD_ZONES)
+        ignored = np.abs(self._voltage_V[:, None]) <= widths_V[:, None, None]
         what = "dead zone of the voltage"
         return tuple(
-            tuple(InputResponse("u_V", what, change, chosen=1) for change in changes[:, side]) for side in range(2)
+            tuple(InputResponse("u_V", what, change, chosen=1) for change in changes)
+            for changes in self._changes(nominal, np.where(ignored, 0.0, self._voltage_V[:, None]))
         )
+
+    def _turning_loads(self, nominal: RobotConfig, speeds: Sequence[Array]) -> tuple[tuple[InputResponse, ...], ...]:
+        """Return the responses of the left and the right wheel to loads that come with turning at given speeds."""
+        left, right = speeds
+        loads = tuple(turning_loads(self._grid.held(np.stack([right, left], axis=-1))[:-1]))
+        if not loads:
+            return ((), ())
+        load_V = LOAD * nominal.power.battery_voltage_V * np.stack([torque for _, torque in loads], axis=1)
+        loaded_V = self._voltage_V[:, None] + np.repeat(load_V, self._parts, axis=0)
+        return tuple(
+            tuple(InputResponse(TURNING, what, change) for (what, _), change in zip(loads, changes, strict=True))
+            for changes in self._changes(nominal, loaded_V)
+        )
+
+    def _changes(self, nominal: RobotConfig, voltages_V: Array) -> Array:
+        """Return the changes (2, M, n) of the speeds of the left and the right wheel by voltages (T parts, M, N, 2)."""
+        several_V = np.concatenate([self._voltage_V[:, None], voltages_V], axis=1)
+        model = RobotModel.from_config(stacked([nominal], axes=2))
+        begins_s = np.tile(self._grid.begins_s, several_V.shape[1])
+        side_by_side = several_V.reshape(len(several_V), -1, len(SIDES))
+        turned = counted_turns(model, side_by_side, self._grid.period_s, begins_s, self._load, self._parts)
+        speeds = self._mean_speeds(turned.reshape(len(turned), *several_V.shape[1:]))
+        return np.moveaxis(np.nan_to_num(speeds[1:] - speeds[0]), 1, 0)
 
     def _steps_within_rows_V(self, measurement: Measurement) -> Array:
         """Return the changes (T, N, 2) of the voltages within rows, as far as they may act early in the row's mean."""
@@ -318,6 +347,13 @@ def _earlier(measurement: Measurement, shape: Array) -> Measurement:
         for trial in measurement.trials
     )
     return replace(measurement, trials=tuple(trials))
+
+
+def _turning(nominal: RobotConfig, speeds: Sequence[Array]) -> Covariate:
+    """Return the rate of turning by the speeds of the left and the right wheel."""
+    left, right = speeds
+    rate_rad_s = 0.5 * nominal.drive.wheel_diameter_m * (right - left) / nominal.drive.track_m
+    return Covariate(TURNING, rate_rad_s, max_waves=0.0)
 
 
 def _set_speeds(measurement: Measurement, nominal: RobotConfig) -> tuple[Array, Array]:

@@ -17,12 +17,13 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.measured.case_files.case_format import LONG_AFTER_S
 from diagnosis.predictors.base import CovariateShape, Observed
+from diagnosis.predictors.turning_loads import TURNING
 from symolo.core.arrays import Array
 
 MATTERS = 0.1
 """Change of a prediction in sigmas from which an effect matters in a row."""
-_ORDER_OF_ROWS = ("row", "previous_distance_m", "distance_step_m", "voltage_step_V", "session_time_s")
-"""Smooth covariates that are no condition of a measurement."""
+_NO_CONDITIONS = ("row", "previous_distance_m", "distance_step_m", "voltage_step_V", "session_time_s", TURNING)
+"""Smooth covariates that are no condition of an effect."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,6 @@ def conditions(observed: Observed, readings: Mapping[str, Array]) -> Iterator[tu
         if is_number and covariate.as_rate is not None:
             name, duration_s = covariate.as_rate
             yield name, covariate.values / duration_s
-        elif is_number and covariate.name not in _ORDER_OF_ROWS:
+        elif is_number and covariate.name not in _NO_CONDITIONS:
             reading = readings.get(covariate.name, covariate.values)
             yield covariate.name, reading if len(reading) == len(covariate.values) else covariate.values

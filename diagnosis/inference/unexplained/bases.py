@@ -79,12 +79,25 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     elif covariate.shape is CovariateShape.PERIODIC:
         yield from _turns(covariate, rows)
     else:
+        yield from _smooth(covariate, rows)
+
+
+def _smooth(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
+    """Yield curves of a covariate, and its waves."""
+    values = covariate.values[rows]
+    known = np.isfinite(values)
+    is_load = covariate.shape is CovariateShape.SMOOTH and covariate.size is not None
+    if not is_load:
         yield from _enough(_hats(values, known, _quantiles(values[known])), "trend")
-        if min(np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)) >= SHARE_OF_SIGN:
-            yield from _enough(_odd(values, known), "trend, either way")
-        if covariate.shape is CovariateShape.SINCE:
-            yield from _enough(_settling(covariate, rows), "settling")
-        yield from _waves(values, known, covariate.max_waves)
+    if min(np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)) >= SHARE_OF_SIGN:
+        yield from _enough(_odd(values, known), "trend, either way")
+    if is_load and covariate.size is not None:
+        # A load acts against the motion, so that no other curve of a covariate with a size has a meaning.
+        hats = _hats(np.abs(values), known, _quantiles(np.abs(values[known])))
+        yield from _enough(hats * covariate.size[rows, None], "trend, in proportion to the motion")
+    if covariate.shape is CovariateShape.SINCE:
+        yield from _enough(_settling(covariate, rows), "settling")
+    yield from _waves(values, known, covariate.max_waves)
 
 
 def any_function(covariate: Covariate, rows: Mask) -> Array:

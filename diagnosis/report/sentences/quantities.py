@@ -48,6 +48,7 @@ NAMES = {
     "pose_dx": "distance forward",
     "pose_dy": "distance to the left",
     "pose_dtheta": "turn",
+    "turn": "rate of turning",
     "tof_front": "range ahead",
     "tof_left": "range to the left",
     "tof_right": "range to the right",

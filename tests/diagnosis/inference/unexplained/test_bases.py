@@ -49,6 +49,15 @@ def test_a_floor_that_brakes_in_one_place_brakes_either_way():
     assert explained(Covariate("position", x, second=0.1 * x), braked) < 1e-9
 
 
+def test_a_load_that_grows_with_the_size_of_a_turn_brakes_either_way():
+    """A curve of two wheels: each turn comes with both directions of the wheel."""
+    turn = np.tile(np.linspace(-3.0, 3.0, 150), 4)
+    way = np.repeat([1.0, -1.0], 300)
+    braked = -way * np.abs(turn)
+    assert explained(Covariate("turn_rad_s", turn, size=way), braked) > 0.99
+    assert explained(Covariate("turn_rad_s", turn), braked) < 0.1
+
+
 @pytest.mark.parametrize("teeth", [1, 3, 5, 11])
 def test_a_gear_with_so_many_faults_in_a_turn_changes_the_speed_by_a_share(teeth):
     speed = np.abs(np.sin(np.linspace(0.0, 9.0, 1500))) * 10.0

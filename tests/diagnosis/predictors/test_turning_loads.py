@@ -1,0 +1,150 @@
+"""Loads that come with the turning of a drive, against closed forms and a simulation of its own."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
+from diagnosis.inference.unexplained.adequacy import Adequacy
+from diagnosis.inference.unexplained.unlisted import with_forms
+from diagnosis.measured.case_files.nominal import NominalDrive
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import nuisances
+from diagnosis.predictors.turning_loads import TURNING
+from diagnosis.predictors.wheels import LOAD, Wheels
+from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
+from symolo.core.tables.time_series import TimeSeries
+
+R, K, B, TC, J, SUPPLY_V = 3.0, 0.3, 0.002, 0.02, 0.003, 7.4
+DAMPING = K * K / R + B
+RADIUS, BASE, TICKS, ROW_S = 0.03, 0.16, 2000, 0.05
+
+
+def spread(value):
+    return {"value": value, "tolerance": 0.01 * value}
+
+
+NOMINAL = NominalDrive.model_validate(
+    {
+        "kind": "drive_log",
+        "motor": {
+            "winding_resistance_ohm": spread(R),
+            "torque_constant_N_m_A": spread(K),
+            "viscous_friction_N_m_s_rad": spread(B),
+            "coulomb_friction_N_m": spread(TC),
+            "rotor_inertia_kg_m2": spread(J),
+            "supply_voltage_V": SUPPLY_V,
+        },
+        "robot": {
+            "wheel_radius_m": spread(RADIUS),
+            "wheel_separation_m": spread(BASE),
+            "encoder_ticks_per_revolution": TICKS,
+        },
+        "noise": {
+            "wheel_speed_rad_s": 0.045,
+            "pose_xy_m": 0.001,
+            "pose_theta_rad": 0.003,
+            "travel_m_per_sqrt_m": 0.0006,
+            "tof_polynomial_mm": [1.4, 4.88, 2.51, 1.15],
+            "tof_polynomial_origin_m": 0.18,
+        },
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return nominal_robot(NOMINAL, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+
+
+def wheels(robot, voltage_V, angle_rad, **commands):
+    """Stage of a log with the voltages and the angles (n, 2) of the left and the right wheel."""
+    t_s = ROW_S * np.arange(len(voltage_V))
+    columns = {
+        "u_left_V": voltage_V[:, 0],
+        "u_right_V": voltage_V[:, 1],
+        "enc_left_ticks": np.floor(TICKS / math.tau * angle_rad[:, 0]),
+        "enc_right_ticks": np.floor(TICKS / math.tau * angle_rad[:, 1]),
+    } | commands
+    channels = tuple(Channel.logged(TimeSeries(k, "", t_s, v), Role.READING) for k, v in columns.items())
+    log = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), channels, begins_s=0.0)
+    return Wheels(Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), (log,), NOMINAL), robot)
+
+
+def test_loads_slow_wheels_that_have_settled_by_their_torque_over_the_damping(robot):
+    voltage_V = np.tile([1.5, 3.0], (60, 1))
+    left, right = wheels(robot, voltage_V, np.zeros((60, 2))).observed
+    lost = K / R * LOAD * SUPPLY_V / DAMPING
+    expected = {
+        "friction of a wheel that grows in turns": (-lost, -lost),
+        "torque against the turn, in proportion to its rate": (lost, -lost),
+        "friction against the turn": (lost, -lost),
+    }
+    by_name = [{e.what: e.response[50] for e in of.input_errors if e.covariate == TURNING} for of in (left, right)]
+    for what, (of_left, of_right) in expected.items():
+        np.testing.assert_allclose(by_name[0].pop(what), of_left, rtol=1e-4)
+        np.testing.assert_allclose(by_name[1].pop(what), of_right, rtol=1e-4)
+    assert by_name == [{}, {}]
+
+
+def test_the_rate_of_turning_is_that_of_the_predicted_speeds(robot):
+    voltage_V = np.tile([1.5, 3.0], (40, 1))
+    for observed in wheels(robot, voltage_V, np.zeros((40, 2))).observed:
+        (turning,) = (each for each in observed.covariates if each.name == TURNING)
+        assert turning.values[30] == pytest.approx(RADIUS / BASE * K / R * 1.5 / DAMPING, rel=1e-6)
+
+
+def test_wheels_that_never_turn_the_robot_have_no_such_load(robot):
+    left, right = wheels(robot, np.tile([3.0, 3.0], (40, 1)), np.zeros((40, 2))).observed
+    assert not [each for of in (left, right) for each in of.input_errors if each.covariate == TURNING]
+
+
+def test_turns_that_only_voltages_have_do_not_count(robot):
+    """A controller raises the voltage of a wheel that a bump slows down, without a commanded turn."""
+    forward_m_s = np.repeat(np.random.default_rng(5).uniform(0.1, 0.4, 40), 15)
+    bumps_V = np.repeat(np.random.default_rng(6).normal(0.0, 0.3, 120), 5)
+    ahead_V = R / K * (DAMPING * forward_m_s / RADIUS + TC)
+    voltage_V = np.stack([ahead_V - bumps_V, ahead_V + bumps_V], axis=-1)
+    free = wheels(robot, voltage_V, np.zeros((600, 2)))
+    led = wheels(robot, voltage_V, np.zeros((600, 2)), v_cmd_m_s=forward_m_s, w_cmd_rad_s=np.zeros(600))
+    by_voltages, by_commands = (
+        np.nanstd(next(c.values for c in of.observed[0].covariates if c.name == TURNING)) for of in (free, led)
+    )
+    assert by_commands < 0.3 * by_voltages
+
+
+def driven(friction_N_m):
+    """Voltages of a winding drive and the wheels' angles, by steps of 0.5 ms, with a friction by the speeds."""
+    rows, steps = 600, 100
+    voltage_V = np.repeat(np.random.default_rng(3).uniform(-1.0, 4.0, (rows // 15, 2)), 15, axis=0)
+    angle_rad, speed, turned = np.zeros((rows, 2)), np.zeros(2), np.zeros(2)
+    for row in range(rows):
+        angle_rad[row] = turned
+        for _ in range(steps):
+            drive = K * voltage_V[row] / R - DAMPING * speed
+            opposed = friction_N_m(speed) * np.tanh(speed / 0.01)
+            speed = speed + ROW_S / steps / J * (drive - opposed)
+            turned = turned + ROW_S / steps * speed
+    return voltage_V, angle_rad
+
+
+@pytest.mark.parametrize(
+    ("friction_N_m", "along"),
+    [(lambda w: TC * (1.0 + 0.3 * abs(w[1] - w[0])), [TURNING]), (lambda _: 2.5 * TC, [])],
+    ids=["it grows in turns", "it is larger"],
+)
+def test_a_friction_that_grows_in_turns_takes_the_place_of_a_larger_friction(robot, friction_N_m, along):
+    evidence = Evidence([wheels(robot, *driven(friction_N_m))])
+    bare = Hypothesis(robot, nuisances(NOMINAL))
+    named = bare.with_effect(CandidateEffect(CoulombFrictionScale))
+    without, fit = fits(evidence, [(bare, bare.null()), (named, named.null())])
+    assert without.cost - fit.cost > 50.0
+    found = with_forms(evidence, without, fit, Adequacy(()))
+    assert [s.covariate for s in found.structures if s.p < 0.001] == along
