@@ -17,6 +17,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.discovery.law import DiscoveredLaw
+from diagnosis.inference.evidence.coupled_wheels import change_by_coupling, fitted_coupling
 from diagnosis.inference.fitting.coordinate import STEP
 from diagnosis.inference.fitting.fit import NUISANCE_STEP
 from diagnosis.inference.naming.named_effect import NamedEffect
@@ -105,10 +106,13 @@ def predictions(diagnosis: Diagnosis, unseen: Mapping[str, Measurement]) -> tupl
 
 
 def _predicted(diagnosis: Diagnosis, inputs: UnseenInputs) -> UnseenPrediction:
-    slopes, covariance = _around(diagnosis)
+    coupled = dict(_coupled(diagnosis, inputs))
+    slopes, covariance = _around(diagnosis, list(coupled))
     means = inputs.means([diagnosis.extended, *slopes])
-    mean, moved = means[:, 0], means[:, 1:]
-    changes = np.nan_to_num(moved - mean[:, None])
+    by_coupling = sum((diagnosis.fit.x[place] * change for place, change in coupled.items()), start=np.zeros(1))
+    mean = means[:, 0] + by_coupling
+    moved = [means[:, 1:] - means[:, :1], *(change[:, None] for change in coupled.values())]
+    changes = np.nan_to_num(np.concatenate(moved, axis=1))
     by_parameters = np.einsum("kin,ij,kjn->kn", changes, covariance, changes)
     variance = _noise(diagnosis, inputs, mean) ** 2 + np.maximum(by_parameters, 0.0)
     beyond: list[Beyond] = []
@@ -117,7 +121,7 @@ def _predicted(diagnosis: Diagnosis, inputs: UnseenInputs) -> UnseenPrediction:
         distance, left = _distance(diagnosis, named, inputs, without)
         beyond += left
         if left or any(row.any() for row in distance):
-            variance += _extrapolated(inputs, mean, inputs.means([without])[:, 0], distance) ** 2
+            variance += _extrapolated(inputs, mean, inputs.means([without])[:, 0] + by_coupling, distance) ** 2
     sds = np.where(np.isfinite(mean), np.sqrt(variance), np.nan)
     columns = dict(zip(inputs.names, mean, strict=True))
     columns |= {f"{SD}{name}": sd for name, sd in zip(inputs.names, sds, strict=True)}
@@ -130,11 +134,23 @@ def _along(inputs: UnseenInputs) -> tuple[str, Array]:
     return (swept[0].name, swept[0].values) if is_bench else (ROW_TIME, inputs.t_s)
 
 
-def _around(diagnosis: Diagnosis) -> tuple[list[RobotConfig], Array]:
-    """Return the robots (P) that are one step off along each coordinate, and the covariance (P, P) in such steps."""
+def _coupled(diagnosis: Diagnosis, inputs: UnseenInputs) -> Iterator[tuple[int, Array]]:
+    """Yield the coordinate of the coupling of the wheels, if it is fitted, and the changes (K, n) by a step of 1."""
+    coupling, change = fitted_coupling(diagnosis.fit), change_by_coupling(inputs.stage, diagnosis.nominal)
+    if coupling is not None and change is not None:
+        yield coupling.place, change
+
+
+def _around(diagnosis: Diagnosis, linear: Sequence[int]) -> tuple[list[RobotConfig], Array]:
+    """Return the robots (P) that are one step off along each coordinate of the robot, and the covariance in such steps.
+
+    Args:
+        diagnosis: The diagnosis.
+        linear: Coordinates that are no property of the robot; they come last in the covariance, with steps of 1.
+    """
     fit = diagnosis.fit
     hypothesis, x = fit.hypothesis.of_robot(fit.x)
-    kept = ~fit.hypothesis.is_local
+    kept = [*np.flatnonzero(~fit.hypothesis.is_local).tolist(), *linear]
     covariance = fit.covariance[np.ix_(kept, kept)].copy()
     unknown = ~np.isfinite(np.diag(covariance))
     covariance[unknown], covariance[:, unknown] = 0.0, 0.0
@@ -142,7 +158,8 @@ def _around(diagnosis: Diagnosis) -> tuple[list[RobotConfig], Array]:
     steps = np.full(len(x), STEP)
     steps[: len(hypothesis.nuisances)] = NUISANCE_STEP
     steps = np.where(x + steps > hypothesis.bounds[1], -steps, steps)
-    return hypothesis.robots(x + np.diag(steps)), covariance / np.outer(steps, steps)
+    scale = np.append(steps, np.ones(len(linear)))
+    return hypothesis.robots(x + np.diag(steps)), covariance / np.outer(scale, scale)
 
 
 def _without(diagnosis: Diagnosis, named: NamedEffect | DiscoveredLaw) -> RobotConfig:

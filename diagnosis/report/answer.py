@@ -6,7 +6,7 @@ from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.file_numbers import agree
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import discovered, early_voltages, parameters_off, predictive
+from diagnosis.report.sentences import coupled_wheels, discovered, early_voltages, parameters_off, predictive
 
 
 def answer(data: ReportData) -> dict[str, object]:
@@ -16,6 +16,7 @@ def answer(data: ReportData) -> dict[str, object]:
     result = data.diagnosis.answer() | {"conclusion": str(data.diagnosis.conclusion)}
     result["parameters_off"] = parameters_off.in_json(parameters_off.parameters_off(data.diagnosis.fit))
     result |= early_voltages.in_json(data.diagnosis.early_voltages)
+    result |= coupled_wheels.in_json(data.diagnosis.fit)
     result["predictive"] = predictive.in_json(data.predictive)
     result |= discovered.in_json(data.diagnosis.discovery)
     if errors := fitted_errors(data.diagnosis.fit):

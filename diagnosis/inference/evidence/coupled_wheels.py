@@ -6,16 +6,32 @@ of the rotor, as the inertia of a motor. The second one is 0 only if the moment 
 with a light rotor and a compact body it is a tenth of the first one or more.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
+from diagnosis.predictors.base import Stage
 from diagnosis.predictors.wheels import Wheels
+from symolo.core.arrays import Array
 
 NAME = "wheel_coupling"
 TOLERANCE = 0.1
 """Standard deviation of the mutual inertia between robots, as a share of the inertia of a wheel."""
+
+
+@dataclass(frozen=True)
+class FittedCoupling:
+    """The coupling of the wheels of a fit."""
+
+    place: int
+    """Index among the coordinates of the fit."""
+    share: float
+    """Mutual inertia as a share of the inertia of a wheel."""
+    std: float
 
 
 def wheel_coupling(evidence: Evidence, nominal: RobotConfig) -> tuple[Nuisance, ...]:
@@ -23,16 +39,31 @@ def wheel_coupling(evidence: Evidence, nominal: RobotConfig) -> tuple[Nuisance, 
     place = 0
     for stage in evidence.stages:
         count = sum(len(observed.values) for observed in stage.observed)
-        more, less = (
-            stage.coupling_rad_s(nominal, sign * STEP * TOLERANCE) if isinstance(stage, Wheels) else None
-            for sign in (1.0, -1.0)
-        )
-        if more is not None and less is not None:
+        by_coupling = change_by_coupling(stage, nominal)
+        if by_coupling is not None:
             change = np.zeros(len(evidence.values))
-            change[place : place + count] = np.nan_to_num(change_by_tolerance(more, less)).ravel()
+            change[place : place + count] = np.nan_to_num(by_coupling).ravel()
             return (Nuisance(NAME, 0.0, TOLERANCE, "1", _same, change),)
         place += count
     return ()
+
+
+def change_by_coupling(stage: Stage, nominal: RobotConfig) -> Array | None:
+    """Return the change of the speeds of both wheels (2, n) by one tolerance; None if the coupling is known."""
+    if not isinstance(stage, Wheels):
+        return None
+    more, less = (stage.coupling_rad_s(nominal, sign * STEP * TOLERANCE) for sign in (1.0, -1.0))
+    return None if more is None or less is None else change_by_tolerance(more, less)
+
+
+def fitted_coupling(fit: HypothesisFit) -> FittedCoupling | None:
+    """Return the fitted coupling of the wheels; None if it is known, or no voltage drives a wheel."""
+    names = [nuisance.name for nuisance in fit.hypothesis.nuisances]
+    if NAME not in names:
+        return None
+    place = names.index(NAME)
+    error = float(np.sqrt(fit.covariance[place, place]))
+    return FittedCoupling(place, TOLERANCE * float(fit.x[place]), TOLERANCE * error)
 
 
 def _same(robot: RobotConfig, value: Number) -> RobotConfig:

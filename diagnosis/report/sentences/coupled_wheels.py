@@ -2,9 +2,7 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from diagnosis.inference.evidence.coupled_wheels import NAME
+from diagnosis.inference.evidence.coupled_wheels import fitted_coupling
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.report.sentences.quantities import with_error
 
@@ -14,13 +12,18 @@ CLEAR = 3.0
 
 def coupling_sentences(fit: HypothesisFit) -> Iterator[str]:
     """Yield how strongly the wheels are coupled, if the data show it clearly."""
-    errors = np.sqrt(np.diag(fit.covariance)).tolist()
-    for nuisance, x, error in zip(fit.hypothesis.nuisances, fit.x.tolist(), errors, strict=False):
-        if nuisance.name == NAME and abs(x) >= CLEAR * error:
-            size = with_error(100.0 * abs(x) * nuisance.tolerance, 100.0 * error * nuisance.tolerance)
-            way = "takes" if x > 0.0 else "adds"
-            yield (
-                f"The body of the robot couples its wheels: an acceleration of one wheel also {way} torque at the "
-                f"other one, {size} % of what it takes at its own. nominal.yaml states no such number; it is fitted, "
-                "and is no fault of the robot."
-            )
+    coupling = fitted_coupling(fit)
+    if coupling is not None and abs(coupling.share) >= CLEAR * coupling.std:
+        size = with_error(100.0 * abs(coupling.share), 100.0 * coupling.std)
+        way = "takes" if coupling.share > 0.0 else "adds"
+        yield (
+            f"The body of the robot couples its wheels: an acceleration of one wheel also {way} torque at the "
+            f"other one, {size} % of what it takes at its own. nominal.yaml states no such number; it is fitted, "
+            "and is no fault of the robot."
+        )
+
+
+def in_json(fit: HypothesisFit) -> dict[str, object]:
+    """Return the coupling for answer.json; empty if it is known, or no voltage drives a wheel."""
+    coupling = fitted_coupling(fit)
+    return {} if coupling is None else {"wheel_coupling": {"share": coupling.share, "std": coupling.std}}
