@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.pose_by_ticks import MIN_ROWS, PoseByTicks
 from diagnosis.motor_identification import least_squares
@@ -114,7 +113,7 @@ def _slope(values: Array, t_s: Array) -> Array:
     return np.gradient(values, t_s) if len(values) > 1 else np.full(len(values), np.nan)
 
 
-def speed_noise(ticks_per_turn: float) -> float:
+def speed_noise(ticks_per_turn: float, row_s: float) -> float:
     """Return the standard deviation of a wheel speed over one row: two counts are rounded, and torque is not steady."""
-    rounding_rad_s = 2.0 * np.pi / ticks_per_turn / ROW_S / np.sqrt(6.0)
+    rounding_rad_s = 2.0 * np.pi / ticks_per_turn / row_s / np.sqrt(6.0)
     return float(np.hypot(rounding_rad_s, 0.03))

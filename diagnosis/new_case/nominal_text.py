@@ -179,7 +179,9 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     yield f"  encoder_ticks_per_revolution: {known['ticks_per_turn']:g}  # {comment}"
     yield from _ranges(measurement, known)
     yield "noise:  # standard deviations; a factor of two off does no harm"
-    yield f"  wheel_speed_rad_s: {speed_noise(known['ticks_per_turn']):.3g}  # rounding to ticks, and disturbances"
+    row_s = usual_step(np.concatenate([np.diff(trial.t_s) for trial in measurement.trials]))
+    speed_rad_s = speed_noise(known["ticks_per_turn"], row_s)
+    yield f"  wheel_speed_rad_s: {speed_rad_s:.3g}  # rounding to ticks, and disturbances"
     if moved is None or not moved.is_explained:
         yield "  pose_xy_m: 0.001  # a usual value"
         yield "  pose_theta_rad: 0.003  # a usual value"

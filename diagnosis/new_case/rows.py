@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.case_files.case_format import (
     CAMERA_CHANNELS,
     LONG_AFTER_S,
@@ -20,7 +19,7 @@ from diagnosis.measured.zero_order_hold import held_means
 from diagnosis.new_case.held_rows import held_otherwise, left_out_notes, of_other_rows
 from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
-from diagnosis.new_case.sample_times import are_even, even_times
+from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
 from logs.counts import running_counts
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source, missing_note
@@ -272,7 +271,7 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
     if not len(steps):
         raise InputError("no trial has two rows", where=str(log.path))
     step_s = usual_step(steps)
-    wanted_s = ROW_S if kind is CaseKind.DRIVE_LOG else step_s
+    wanted_s = row_of_drive_s(steps) if kind is CaseKind.DRIVE_LOG else step_s
     if kind is CaseKind.DRIVE_LOG and step_s > SLOWEST_S:
         cure = "log at 10 Hz or faster; slower rows say too little about turns and starts"
         if 1e-3 * step_s <= SLOWEST_S and step_s >= 1.0:
@@ -288,7 +287,7 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
     within = f", 9 of 10 within {scatter_s:.2g} s" if scatter_s > 1e-3 * step_s else ""
     notes.append(
         f"rows are {step_s:.4g} s apart{within}: sampled again every {wanted_s:.4g} s; voltages are means, counts and "
-        "poses are interpolated, ranges are the nearest"
+        "poses are interpolated between rows, ranges are the nearest"
     )
     return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
 

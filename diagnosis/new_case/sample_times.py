@@ -7,9 +7,11 @@ through their neighbours.
 """
 
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 
+from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.screening import GAP
 from logs.times import usual_step
 from symolo.core.arrays import Array
@@ -18,6 +20,10 @@ ROWS_AROUND = 9
 """Number of rows before and after a long step that show whether rows were lost there, or one row was stamped late."""
 SMOOTHER = 0.8
 """Largest roughness against even times, as a share of that against the stamps, for which the even times are taken."""
+EVEN, SHARE_OF_EVEN = 0.1, 0.9
+"""Largest difference from the usual step of a log, as a share, and the share of its steps within it, for even rows."""
+STAMP_ROUNDING = 1e-4
+"""Differences, as a share, that come from rounded times."""
 ROUNDING = 1e-12
 """Roughness of a column at rest by rounding, as a share of its values, with a wide margin."""
 
@@ -38,6 +44,21 @@ def even_times(t_s: Array) -> Array:
             number[row:] += lost
     slope_s, start_s = np.polyfit(number, t_s, 1)
     return start_s + slope_s * number
+
+
+def row_of_drive_s(steps: Array) -> float:
+    """Return the time between the rows of a drive: that of whole rows of the log if they are even and as fast.
+
+    Between rows, counts do not lie on a line while the wheel speeds up, and the line would change its speed.
+    """
+    step_s = usual_step(steps)
+    near = np.abs(steps - step_s) <= EVEN * step_s
+    if step_s > ROW_S or np.mean(near) < SHARE_OF_EVEN:
+        return ROW_S
+    period_s = float(steps[near].mean())
+    # Of two numbers of rows that are equally near, the smaller one counts.
+    row_s = max(1, ceil(ROW_S / period_s - 0.5 - STAMP_ROUNDING)) * period_s
+    return ROW_S if abs(row_s - ROW_S) <= STAMP_ROUNDING * ROW_S else row_s
 
 
 def are_even(stamps_s: Sequence[Array], even_s: Sequence[Array], columns: Sequence[Sequence[Array]]) -> bool:

@@ -82,6 +82,32 @@ def test_a_fast_log_is_sampled_twenty_times_a_second(log):
 
 
 @pytest.mark.parametrize(
+    ("rate_hz", "row_s"), [(50.0, 0.04), (40.0, 0.05), (60.0, 0.05), (30.0, 1.0 / 30.0), (70.0, 3.0 / 70.0)]
+)
+def test_counts_of_evenly_spaced_rows_are_those_of_whole_rows(log, rate_hz, row_s):
+    """Between two rows, counts of a wheel that speeds up by a = 60 rad/s2 lie below a line, by a T^2 / 8 in the middle.
+
+    The speed of a row would then be off by up to 0.06 rad/s; two counts are rounded to 0.006 rad/s.
+    """
+    ticks, rise_rad_s2 = 20_000, 60.0
+    t = np.arange(240) / rate_hz
+    counts = np.floor(ticks / math.tau * 0.5 * rise_rad_s2 * t**2).astype(int)
+    flat = 1.0 + 0.0 * t
+    (trial,) = measured(log(table(DRIVE, np.round(t, 9), counts, counts, flat, flat, flat, flat, 0.0 * t))).trials
+    np.testing.assert_allclose(np.diff(trial.t_s), row_s, rtol=1e-4)
+    middle_s = 0.5 * (trial.t_s[1:] + trial.t_s[:-1])
+    speeds = math.tau / ticks * np.diff(trial["enc_left_ticks"].values) / np.diff(trial.t_s)
+    np.testing.assert_allclose(speeds, rise_rad_s2 * middle_s, atol=math.tau / ticks / row_s)
+
+
+def test_a_log_with_uneven_rows_is_sampled_twenty_times_a_second(log):
+    """Stamps that are right, as the steady counts show."""
+    t = np.round(np.cumsum(np.random.default_rng(2).uniform(0.01, 0.03, 400)), 6)
+    (trial,) = measured(log(drive(t))).trials
+    np.testing.assert_allclose(np.diff(trial.t_s), 0.05)
+
+
+@pytest.mark.parametrize(
     ("header", "change", "note"),
     [
         ("t,dticks_left,dticks_right,uL,uR", lambda counts: np.diff(counts, prepend=0), None),
