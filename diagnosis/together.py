@@ -21,7 +21,9 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Observed, Predicted, Stage
+from diagnosis.predictors.wheels import Wheels
 from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 INERTIA = "rotor_inertia_kg_m2"
@@ -199,6 +201,12 @@ class OfCase:
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         return self._stage.predict([self._as_stated(robot) for robot in robots])
+
+    def coupling_rad_s(self, robot: RobotConfig, share: float) -> Array | None:
+        """Return the change of the speeds of both wheels if the body couples them; None if it is known, or no drive."""
+        if not isinstance(self._stage, Wheels):
+            return None
+        return self._stage.coupling_rad_s(self._as_stated(robot), share)
 
     def with_inertia(self, inertia_kg_m2: float) -> "OfCase":
         """Return the stage of a case that states another inertia."""

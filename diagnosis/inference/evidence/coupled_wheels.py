@@ -16,6 +16,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.wheels import Wheels
+from diagnosis.together import OfCase
 from symolo.core.arrays import Array
 
 NAME = "wheel_coupling"
@@ -36,21 +37,22 @@ class FittedCoupling:
 
 def wheel_coupling(evidence: Evidence, nominal: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisance of the coupling of the wheels; none if it is known, or no voltage drives a wheel."""
-    place = 0
-    for stage in evidence.stages:
-        count = sum(len(observed.values) for observed in stage.observed)
-        by_coupling = change_by_coupling(stage, nominal)
-        if by_coupling is not None:
-            change = np.zeros(len(evidence.values))
-            change[place : place + count] = np.nan_to_num(by_coupling).ravel()
-            return (Nuisance(NAME, 0.0, TOLERANCE, "1", _same, change),)
-        place += count
-    return ()
+    changes = [change_by_coupling(stage, nominal) for stage in evidence.stages]
+    if all(change is None for change in changes):
+        return ()
+    # Several cases of one robot have one coupling.
+    whole = [
+        np.zeros(sum(len(observed.values) for observed in stage.observed))
+        if change is None
+        else np.nan_to_num(change).ravel()
+        for stage, change in zip(evidence.stages, changes, strict=True)
+    ]
+    return (Nuisance(NAME, 0.0, TOLERANCE, "1", _same, np.concatenate(whole)),)
 
 
 def change_by_coupling(stage: Stage, nominal: RobotConfig) -> Array | None:
     """Return the change of the speeds of both wheels (2, n) by one tolerance; None if the coupling is known."""
-    if not isinstance(stage, Wheels):
+    if not isinstance(stage, Wheels | OfCase):
         return None
     more, less = (stage.coupling_rad_s(nominal, sign * STEP * TOLERANCE) for sign in (1.0, -1.0))
     return None if more is None or less is None else change_by_tolerance(more, less)

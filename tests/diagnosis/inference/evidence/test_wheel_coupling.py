@@ -21,6 +21,7 @@ from diagnosis.predictors.wheels import Wheels
 from diagnosis.report.answer import answer
 from diagnosis.report.report_data import report_data
 from diagnosis.report.sentences.coupled_wheels import coupling_sentences
+from diagnosis.together import joint_robot, joint_stages, together
 
 EXAMPLE = Path(__file__).parents[4] / "diagnosis" / "examples" / "drive_log_002"
 FILE = f"{EXAMPLE.name}_wheels.csv"
@@ -55,6 +56,19 @@ def test_a_coupling_is_found_with_its_sign(case, share, words):
     assert fit.x[0] * TOLERANCE == pytest.approx(share, rel=0.05)
     (sentence,) = coupling_sentences(fit)
     assert words in sentence
+
+
+def test_cases_of_one_robot_have_one_coupling(case):
+    _, _, _, alone = case
+    measurement = read_measurement(EXAMPLE, IMPORTERS)
+    both = together([measurement, replace(measurement, name="another drive")])
+    robot = joint_robot(both, base_robot_of(measurement, None))
+    evidence = Evidence(joint_stages(both, robot))
+    (nuisance,) = wheel_coupling(evidence, robot)
+    wheels = [place for o, place in zip(evidence.observed, evidence.places, strict=True) if o.name.startswith("wheel_")]
+    change = np.concatenate([nuisance.change[place] for place in wheels])
+    np.testing.assert_allclose(change, np.tile(alone.change, 2), atol=1e-9)
+    assert np.count_nonzero(nuisance.change) == np.count_nonzero(change)
 
 
 @pytest.fixture(scope="module")
