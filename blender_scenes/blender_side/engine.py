@@ -12,7 +12,6 @@ from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.lost_light import lost_light_factor
-from blender_scenes.render.sampling import TracingSettings
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import median_luminance, white_level
@@ -53,14 +52,16 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     scene.display_settings.display_device = "sRGB"
     scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"  # OpenEXR is written linear anyway
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
-    _cycles(scene.cycles, job.sampling)
+    _cycles(scene.cycles, job)
     if not job.sampling.paths.caustics:
         measure_matt_colors(job.scene, scratch)
     open_shutter(window(job.shutter, job.camera))
 
 
-def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
-    paths = sampling.paths
+def _cycles(cycles: bpy.types.PropertyGroup, job: RenderJob) -> None:
+    sampling, paths = job.sampling, job.sampling.paths
+    # Without caustics, all other surfaces are matt for light that they reflect to a matt surface (`shaders`).
+    gloss_throws_light = paths.caustics or any(surface.encloses_lamp for surface in job.scene.surfaces)
     settings = {
         "device": "CPU" if sampling.device == "CPU" else "GPU",
         "feature_set": "SUPPORTED",
@@ -89,9 +90,9 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
         "transparent_max_bounces": 8,
         "min_light_bounces": 0,
         "min_transparent_bounces": 0,
-        "caustics_reflective": paths.caustics,
+        "caustics_reflective": gloss_throws_light,
         "caustics_refractive": paths.caustics,
-        "blur_glossy": 0.0 if paths.caustics else 1.0,
+        "blur_glossy": 0.0 if gloss_throws_light else 1.0,
         "sample_clamp_direct": 0.0,
         "sample_clamp_indirect": 0.0,  # `FrameTracer` sets it, from the exposure
         "use_fast_gi": False,

@@ -49,7 +49,8 @@ def measure_matt_colors(scene: Scene, scratch: Path) -> None:
 
 
 def _has_matt_part(surface: Surface) -> bool:
-    return surface.transmission == 0 and not isinstance(surface.base_color, Color | Constant)
+    has_one = surface.transmission == 0 and not surface.encloses_lamp
+    return has_one and not isinstance(surface.base_color, Color | Constant)
 
 
 def _bounds(scene: Scene, surface: str) -> tuple[Point2, Point2]:

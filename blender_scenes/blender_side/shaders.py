@@ -202,7 +202,8 @@ def material(surface: Surface, user_images: UserImages | None = None, *, caustic
     if surface.height_m is not None:
         bump = graph.node("ShaderNodeBump", Strength=1.0, Distance=1.0, Height=surface.height_m)
         graph.feed(shader.inputs["Normal"], bump.outputs[0])
-    lit = shader.outputs[0] if caustics else _without_caustics(graph, shader.outputs[0], surface)
+    keeps_gloss = caustics or surface.encloses_lamp
+    lit = shader.outputs[0] if keeps_gloss else _without_caustics(graph, shader.outputs[0], surface)
     graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
     return made
 

@@ -1,6 +1,7 @@
 """Ceiling lamps in a grid: flat panels, tubes on battens, bulbs in shades."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,8 +48,8 @@ def ceiling_lamps(look: LookConfig, room: RoomModel) -> Lights:
             if config.housing != "none":
                 body = _batten if config.housing == "batten" else _shade
                 meshes.append(body(name, center, (length, width), room.height_m))
-    surfaces = (moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4),) if meshes else ()
-    return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
+    body_surface = replace(moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4), encloses_lamp=config.housing == "shade")
+    return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=(body_surface,) if meshes else ())
 
 
 def _fitting(config: LampsLook, room: RoomModel) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """Lamps on the tables: a bulb in a hood, turned towards the middle of the room."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,7 +45,8 @@ def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
         if config.flux_klm > 0:
             panels.append(LightPanel(name, triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
         meshes.append(_body(name, foot, head, axes))
-    surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
+    hood_surface = replace(moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4), encloses_lamp=True)
+    surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), hood_surface
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces if meshes else ())
 
 

@@ -159,6 +159,10 @@ def as_texture(value: "Expression | float") -> "Texture":
     return value if isinstance(value, Expression) else Constant(float(value))  # pyright: ignore[reportReturnType]
 
 
+def _is_false(value: bool) -> bool:  # noqa: FBT001 - pydantic calls it
+    return not value
+
+
 @dataclass(frozen=True)
 class Surface:
     """A physically based surface: a dielectric, a metal, or a clear body."""
@@ -172,3 +176,6 @@ class Surface:
     metallic: float = 0.0
     refractive_index: float = 1.45
     transmission: float = 0.0
+    encloses_lamp: Annotated[bool, Field(exclude_if=_is_false)] = False
+    """Whether it surrounds a lamp, as a hood does. Most light then falls on it at grazing angles, where gloss is much
+    stronger than on average, so its gloss throws light on matt surfaces under every preset of light paths."""

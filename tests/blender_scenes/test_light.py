@@ -181,6 +181,19 @@ def test_lamps_of_a_narrow_room_end_before_its_walls_and_each_other_and_give_the
         assert np.pi * panel.width_m * panel.height_m * np.array(panel.radiance) @ LUMINANCE == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize(("housing", "encloses"), [("batten", False), ("shade", True)])
+def test_the_gloss_of_a_shade_is_followed_and_that_of_a_batten_above_its_tube_is_not(housing, encloses):
+    look = LookConfig(name="lamps", lamps=LampsLook(rows=1, columns=1, drop_m=0.5, housing=housing))
+    assert [surface.encloses_lamp for surface in LIGHTS["ceiling_lamps"](look, _room(look)).surfaces] == [encloses]
+
+
+def test_the_gloss_of_the_hood_of_a_desk_lamp_is_followed():
+    look = LookConfig(name="desk", desk_lamps=DeskLampsLook(count=1))
+    room = replace(_room(look), tops=(Top((0.0, 0.0, 0.0), (1.2, 0.6), 0.74),))
+    surfaces = LIGHTS["desk_lamps"](look, room).surfaces
+    assert {surface.name for surface in surfaces if surface.encloses_lamp} == {"desk_lamp_hood"}
+
+
 def test_a_lamp_that_is_off_is_there_and_dark():
     lamps = (LampsLook(rows=1, columns=2, flux_klm=flux, housing="batten") for flux in (0.0, 2.0))
     looks = (LookConfig(name="c", lamps=own) for own in lamps)

@@ -3,10 +3,11 @@
 Cases are one draw of each shipped look and several draws of `extreme`, with a new seed each time, seen by a camera of
 random place, direction and pitch. All settings trace the same views with the same random numbers, without denoiser, and
 the table has the ratio of the mean luminance over all views of a case. Its standard error comes from independent seeds.
-With `--denoised`, it also has the light of the denoised images of both presets.
+With `--denoised`, it also has the light of the denoised images of both presets, and with `--hybrid` that of their
+hybrid images of `standard` quality, with other maps for each seed.
 
     python -m benchmarks.render.errors.light_left [--draws 30] [--poses 3] [--seeds 4] [--samples 8] [--seed N]
-        [--size 64 48] [--clamps 4 16 64] [--bounces 8 32] [--denoised] [--out light.json]
+        [--size 64 48] [--clamps 4 16 64] [--bounces 8 32] [--denoised] [--hybrid] [--out light.json]
 """
 
 import argparse
@@ -15,7 +16,6 @@ import secrets
 import sys
 import tempfile
 import time
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,8 @@ from benchmarks.render.contenders.child_side import reply_stream
 from benchmarks.render.references.views import LOOKS, RandomCase, Views, random_cases
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits
-from configs.schema.appearance.light_paths import LightPathPreset
+from blender_scenes.render.sampling import hybrid_samples
+from configs.schema.scenario import Render
 from sensors.camera.colour import LUMINANCE
 from symolo.core.arrays import Array
 
@@ -43,6 +44,7 @@ class Setting:
     cycles: dict[str, Any]
     """Properties of Cycles in place of those of `paths`."""
     denoise: bool = False
+    hybrid: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,14 +61,17 @@ class Row:
     core_s: float
 
 
-def settings(clamps: Iterable[float], bounces: Iterable[int], denoised: Iterable[LightPathPreset]) -> list[Setting]:
+def settings(options: argparse.Namespace) -> list[Setting]:
     standard = LIGHT_PATHS["standard"]
     chosen = [Setting("as in 0.2", standard, IN_UNITS_OF_LIGHT), Setting("standard", standard, {})]
-    chosen += [Setting(f"clamp {clamp:g}", replace(standard, clamp=clamp), {}) for clamp in clamps]
-    for number in bounces:
+    chosen += [Setting(f"clamp {clamp:g}", replace(standard, clamp=clamp), {}) for clamp in options.clamps]
+    for number in options.bounces:
         fewer = replace(standard, diffuse_bounces=number, glossy_bounces=number, transmission_bounces=number, clamp=0.0)
         chosen.append(Setting(f"{number} bounces, no clamp", fewer, {}))
-    chosen += [Setting(f"{preset}, denoised", LIGHT_PATHS[preset], {}, denoise=True) for preset in denoised]
+    if options.denoised:
+        chosen += [Setting(f"{preset}, denoised", paths, {}, denoise=True) for preset, paths in LIGHT_PATHS.items()]
+    if options.hybrid:
+        chosen += [Setting(f"{preset}, hybrid", paths, {}, hybrid=True) for preset, paths in LIGHT_PATHS.items()]
     return [*chosen, Setting(COMPLETE, LIGHT_PATHS[COMPLETE], {})]
 
 
@@ -77,6 +82,9 @@ def mean_luminance(views: Views, setting: Setting, options: argparse.Namespace, 
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     sampling = replace(views.job.sampling, paths=setting.paths, denoise=setting.denoise, samples=options.samples)
+    if setting.hybrid:
+        width, height = options.size
+        sampling = replace(sampling, hybrid=hybrid_samples(Render(method="hybrid", width_px=width, height_px=height)))
     job = replace(views.job, sampling=sampling)
     build.start()
     build.build(job.scene, job.camera, caustics=setting.paths.caustics)
@@ -106,8 +114,7 @@ def share(means: Array, complete: Array) -> tuple[float, float]:
 
 def rows_of(case: RandomCase, options: argparse.Namespace, scratch: Path) -> list[Row]:
     views, spec = case.views(options.poses, tuple(options.size)), case.spec(tuple(options.size))
-    compared = settings(options.clamps, options.bounces, LIGHT_PATHS if options.denoised else ())
-    by_name = {setting.name: mean_luminance(views, setting, options, scratch) for setting in compared}
+    by_name = {setting.name: mean_luminance(views, setting, options, scratch) for setting in settings(options)}
     complete, _ = by_name[COMPLETE]
     light = f"sun {spec.look.sun.illuminance_klx:.1f} klx, {spec.look.window.covering}"
     return [
@@ -144,6 +151,7 @@ def main() -> None:
     parser.add_argument("--clamps", nargs="*", type=float, default=[], help="further limits, in multiples of white")
     parser.add_argument("--bounces", nargs="*", type=int, default=[], help="further numbers of bounces")
     parser.add_argument("--denoised", action="store_true", help="also the light of denoised images")
+    parser.add_argument("--hybrid", action="store_true", help="also the light of hybrid images")
     parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the draws; default: a new one")
     parser.add_argument("--out", type=Path, help="JSON file of the rows")
     options = parser.parse_args()

@@ -15,7 +15,7 @@ class LightPaths(Section):
 
     preset: LightPathPreset = "auto"
     """`complete` follows all light. `standard` has fewer bounces, no caustics, and a limit on the light of one path;
-    its images have 97 to 101 % of the light. `auto` is `complete` for `quality: reference` and for long runs, which
+    its images have 98 to 102 % of the light. `auto` is `complete` for `quality: reference` and for long runs, which
     choose their samples themselves; otherwise it is `standard`."""
     diffuse_bounces: int | None = Field(default=None, ge=0, le=1024)
     """Maximum number of matt surfaces that a path of light meets after the first surface."""
@@ -25,7 +25,7 @@ class LightPaths(Section):
     """Maximum number of glass faces that a path passes; a pane has two."""
     caustics: bool | None = None
     """Whether gloss and glass throw patches of light on matt surfaces. Without caustics, surfaces are matt for light
-    that they reflect to a matt surface, and light passes glass in a straight line."""
+    that they reflect to a matt surface, but for the hoods of lamps; and light passes glass in a straight line."""
     clamp: float | None = Field(default=None, ge=0, le=1e6)
     """Maximum of the light of one path behind its first surface, in multiples of the light that the exposure renders
     white; it removes single bright pixels. 0 for no limit."""

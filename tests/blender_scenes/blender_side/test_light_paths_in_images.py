@@ -45,12 +45,13 @@ GLOSSY = Surface("glossy", Color((1.0, 1.0, 1.0)), roughness=0.3)
 COATED = Surface("coated", Color((0.5, 0.5, 0.5)), roughness=0.3, refractive_index=1.5)
 METAL = Surface("metal", Color((0.9, 0.9, 0.9)), roughness=0.3, metallic=1.0)
 MIRROR = Surface("mirror", Color((0.9, 0.9, 0.9)), roughness=0.0, metallic=1.0)
+REFLECTOR = replace(MIRROR, name="reflector", encloses_lamp=True)
 TILES = Tiles((0.1, 0.1), 0.05, 0.0, (0.0, 0.0), softness=0.01)
 """Three quarters of its area are joints."""
 TILED = Surface(
     "tiled", Mix(TILES, Color((0.9, 0.9, 0.9)), Color((0.5, 0.5, 0.5))), roughness=1.0, refractive_index=1.0
 )
-SURFACES = (TILED, _matt("0.5", 0.5), _matt("0.7", 0.7), _matt("0.8", 0.8), GLOSSY, COATED, METAL, MIRROR)
+SURFACES = (TILED, _matt("0.5", 0.5), _matt("0.7", 0.7), _matt("0.8", 0.8), GLOSSY, COATED, METAL, MIRROR, REFLECTOR)
 
 
 def _scene(meshes: tuple[Mesh, ...], *panels: LightPanel) -> Scene:
@@ -61,6 +62,12 @@ def _scene(meshes: tuple[Mesh, ...], *panels: LightPanel) -> Scene:
 
 def _floor(half_m: float, surface: str) -> Mesh:
     return floor("floor", (-half_m, -half_m), (half_m, half_m), 0.0, surface)
+
+
+def _mirrored_lamp(mirror: str) -> tuple[Scene, tuple]:
+    """Return a floor that has light only from a lamp in the mirror above it."""
+    above = block("mirror", (0.0, 0.0, 2.5), (8.0, 8.0, 1.0), mirror)
+    return _scene((_floor(0.1, "0.5"), above), CEILING_LAMP), DOWN
 
 
 def _panel(height_m: float, side_m: float, radiance: float, *, shines_down: bool = True) -> LightPanel:
@@ -122,10 +129,8 @@ SCENES = {
         _scene((_floor(0.1, "0.5"),), replace(CEILING_LAMP, center=(0.0, 0.0, 3.4), up=(0.0, -1.0, 0.0))),
         DOWN,
     ),
-    "lamp in a mirror above": (
-        _scene((_floor(0.1, "0.5"), block("mirror", (0.0, 0.0, 2.5), (8.0, 8.0, 1.0), "mirror")), CEILING_LAMP),
-        DOWN,
-    ),
+    "lamp in a mirror above": _mirrored_lamp("mirror"),
+    "lamp in its reflector": _mirrored_lamp("reflector"),
 }
 
 
@@ -221,6 +226,12 @@ def test_a_mirror_shows_a_lamp_as_far_behind_it_as_the_lamp_is_before_it(lights,
 def test_a_mirror_lights_the_floor_like_a_lamp_behind_it_if_caustics_are_followed(lights):
     behind = 0.9 * lights["complete"]["lamp above"].mean()
     assert lights["complete"]["lamp in a mirror above"].mean() == pytest.approx(behind, rel=0.03)
+
+
+@pytest.mark.parametrize("preset", LIGHT_PATHS)
+def test_the_reflector_of_a_lamp_lights_the_floor_under_every_preset(lights, preset):
+    behind = 0.9 * lights["complete"]["lamp above"].mean()
+    assert lights[preset]["lamp in its reflector"].mean() == pytest.approx(behind, rel=0.03)
 
 
 def test_sixty_four_times_the_light_gives_the_same_image(images_of, tmp_path):
