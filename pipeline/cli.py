@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import pairwise
 from pathlib import Path
+from time import monotonic
 from types import FrameType
 from typing import Annotated
 
@@ -52,6 +53,8 @@ Exit codes:
 """
 
 CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
+ONE_INTERRUPT_S = 0.1
+"""Time within which several signals are one interrupt: `timeout` of GNU signals a command and then its group."""
 INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again"
 
 
@@ -220,17 +223,23 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
 
 @contextmanager
 def _interrupts_noted() -> Iterator[threading.Event]:
-    """Set the event at a SIGINT or SIGTERM, which raises KeyboardInterrupt; a second one ends the process at once.
+    """Set the event at a SIGINT or SIGTERM, which raises KeyboardInterrupt; a later one ends the process at once.
 
-    The event is needed because a library may turn a KeyboardInterrupt into another error.
+    Further signals within `ONE_INTERRUPT_S` belong to the first one. The event is needed because a library may turn a
+    KeyboardInterrupt into another error.
     """
     noted = threading.Event()
+    noted_at_s = 0.0
 
     def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal noted_at_s
+        if noted.is_set() and monotonic() - noted_at_s < ONE_INTERRUPT_S:
+            return
         if noted.is_set():
             # Workers end themselves when their pipe closes; the files on the disk are complete at any moment.
             os.write(2, f"symolo: {INTERRUPTED_TWICE}\n".encode())
             os._exit(INTERRUPTED)
+        noted_at_s = monotonic()
         noted.set()
         raise KeyboardInterrupt
 

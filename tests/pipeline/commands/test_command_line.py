@@ -516,20 +516,35 @@ def test_help_loads_no_engine_and_no_table_library():
         assert heavy not in loaded
 
 
+def _interrupted_twice(seconds_between: float, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Run a program that gets a SIGTERM and a SIGINT, by its own clock this time apart, and deals with the first."""
+    program = f"""
+import os, signal
+from pipeline import cli
+signal.signal(signal.SIGINT, signal.default_int_handler)
+now_s = 100.0
+cli.monotonic = lambda: now_s
+with cli._interrupts_noted():
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        signal.pause()
+    except KeyboardInterrupt:
+        print("first", flush=True)
+    now_s += {seconds_between}
+    os.kill(os.getpid(), signal.SIGINT)
+    print("went on", flush=True)
+"""
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=folder)
+
+
 def test_a_second_interrupt_ends_it_at_once(tmp_path):
     """Also where the first one is being dealt with, or a library swallows it."""
-    program = """
-import os, signal, time
-from pipeline.cli import _interrupts_noted
-signal.signal(signal.SIGINT, signal.default_int_handler)
-with _interrupts_noted():
-    for number in (signal.SIGTERM, signal.SIGINT):
-        try:
-            os.kill(os.getpid(), number)
-            time.sleep(60)
-        except KeyboardInterrupt:
-            print("first", flush=True)
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
+    done = _interrupted_twice(1.0, tmp_path)
     assert (done.returncode, done.stdout) == (130, "first\n")
     assert done.stderr == f"symolo: {INTERRUPTED_TWICE}\n"
+
+
+def test_signals_to_a_process_and_to_its_group_are_one_interrupt(tmp_path):
+    """`timeout` of GNU sends its signal to the command and then to the process group, which the command is in."""
+    done = _interrupted_twice(0.001, tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "first\nwent on\n", "")
