@@ -27,30 +27,31 @@ class ReleaseResult(JsonResult):
     folder: str
     """The output folder, as it was named."""
     up_to_date: bool
-    """Whether every run is released from the present settings and nothing would be lost. Files are not read: `verify`
-    finds damaged ones, which a release makes again."""
+    """Whether every run is released from the present settings, no file is missing and nothing would be lost. No file
+    is hashed, so it may be true although a file was changed, which the release would make again; `status --check`
+    detects that."""
     would_do: dict[str, int]
     """Number of runs by what the release would do with them, and why."""
     would_keep: list[str]
-    """Runs that are released from the present settings."""
+    """Runs that are released from the present settings and miss no file."""
     would_fail: list[str]
     """Runs that have failed from the present settings, and would fail again."""
     would_lose: LostPart
     """What the folder would lose, which needs --replace."""
 
     @classmethod
-    def of(cls, folder: str, runs: Sequence[RunStatus], losses: Losses, *, has_lists: bool) -> "ReleaseResult":
+    def of(cls, folder: str, runs: Sequence[RunStatus], losses: Losses, *, is_whole: bool) -> "ReleaseResult":
         """Return the result.
 
         Args:
             folder: The output folder.
             runs: The runs of the scenario.
             losses: What the folder would lose.
-            has_lists: Whether the folder has its lists of checksums.
+            is_whole: Whether the folder has its lists of checksums and all files that they name.
         """
         return cls(
             folder=folder,
-            up_to_date=all(run.done for run in runs) and not losses.text and has_lists,
+            up_to_date=all(run.done for run in runs) and not losses.text and is_whole,
             would_do={reason: len(names) for reason, names in reasons_of(runs).items()},
             would_keep=[run.run for run in runs if run.done],
             would_fail=[run.run for run in runs if any(stage.has_failed for stage in run.stages)],

@@ -59,19 +59,21 @@ class StatusResult(JsonResult):
     runs: list[RunPart]
     """Runs of the scenario, or those in the folder."""
     next_release: dict[str, int]
-    """Number of runs by what the next release would do with them, and why."""
+    """Number of runs by what the next release would do with them, and why. Changed files are detected with --check
+    only."""
     release_finished: bool
     """Whether the lists of checksums are there."""
     faults: int | None
-    """Number of damaged files; null without --check."""
+    """Number of faults that `verify` lists; null without --check, and if the release is not finished."""
     cost: CostPart | None
     """Null where no image was rendered."""
     disk_bytes: dict[str, int]
     """Size of each part of the folder."""
 
     @classmethod
-    def of(cls, folder: str, status: FolderStatus) -> "StatusResult":
+    def of(cls, folder: str, status: FolderStatus, exit_code: int) -> "StatusResult":
         return cls(
+            exit_code=exit_code,
             folder=folder,
             working=status.worker.is_working,
             process=status.worker.process or None,

@@ -1,6 +1,5 @@
 """The status of an output folder: its content, what is missing, and whether another command works in it."""
 
-import fcntl
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,6 +15,7 @@ from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, first_changes
 from pipeline.run_folder.output import MADE_BY
 from pipeline.run_folder.stored_spec import parse_spec
+from pipeline.run_folder.worker import Worker, worker_of
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.cameras import RunCamera, cameras_of
@@ -25,8 +25,7 @@ from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simula
 from pipeline.user_code import hashes_of_files, not_loaded
 from symolo.core.errors import InputError, one_line
 from symolo.core.files.atomic_files import place_of
-from symolo.core.files.file_hashes import holds
-from symolo.core.files.file_locks import LOCK
+from symolo.core.files.file_hashes import holds, missing_files
 from symolo.core.files.paths import check_folder
 from symolo.core.files.plain_files import FileKind, check_tree, is_plain_file, read_file
 from symolo.core.progress import plural
@@ -34,7 +33,7 @@ from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.folder_kind import DATASETS, check_is_whole, kind_of
 from symolo.dataset.layout import ANNOTATIONS, CAMERAS, SIDE, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, read_manifest
 from symolo.verification.inventory import Inventory
 
 RUN_STAGES = ("simulate", "render", "annotate", "assemble")
@@ -50,6 +49,8 @@ class StageStatus:
     """Reason why the next command does this stage; empty where it is done or fails again."""
     has_failed: bool = False
     """Whether it ended with a problem."""
+    is_damaged: bool = False
+    """Whether files of it are missing or changed; a change is detected only where every file is hashed."""
 
 
 @dataclass(frozen=True)
@@ -63,22 +64,11 @@ class RunStatus:
 
 
 @dataclass(frozen=True)
-class Worker:
-    """Whether another command works in the folder."""
-
-    is_working: bool
-    process: int = 0
-    """Number of its process; 0 where it is not known."""
-    has_stages: bool = True
-    """Whether there is a `.stages`, without which the next release makes everything again."""
-
-
-@dataclass(frozen=True)
 class ReleaseStatus:
     missing_lists: tuple[str, ...]
     """Lists of checksums that are missing, so that the release is not finished."""
     faults: int | None = None
-    """Number of damaged files; None where they were not checked."""
+    """Number of faults that `verify` would list; None where the files were not checked."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +97,11 @@ class FolderStatus:
     disk_bytes: Mapping[str, int]
     """Size of each part of the folder, the largest name first."""
 
+    @property
+    def is_damaged(self) -> bool:
+        """Whether the release has faults, or files of a finished stage are missing or changed."""
+        return bool(self.release.faults) or any(stage.is_damaged for run in self.runs for stage in run.stages)
+
 
 def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> FolderStatus:
     """Return the status of an output folder.
@@ -127,7 +122,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
         raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
     check_tree(out, STAGES)
     workspace = Workspace(out.absolute())
-    worker = _worker(workspace)
+    worker = worker_of(workspace)
     runs = tuple(run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items())
     names = [run.run for run in runs]
     return FolderStatus(
@@ -163,7 +158,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     outcome = _outcome(workspace, run)
     stages = [simulate]
     if outcome is not None and not outcome.images and not outcome.problems:
-        stages.append(_released(workspace, run, pending=bool(simulate.again), has_images=False))
+        stages.append(_released(workspace, run, pending=bool(simulate.again), check=check, has_images=False))
     elif outcome is None or not outcome.problems:
         changed = [] if spec is None else image_changes(workspace, run, spec)
         for camera, images, annotated in _cameras(workspace, run, spec, outcome):
@@ -175,7 +170,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
             if annotated or workspace.annotate(run, camera).path.exists():
                 stage = f"annotate {camera}".rstrip()
                 stages.append(_framed(workspace.annotate(run, camera), stage, images, check=check))
-        stages.append(_released(workspace, run, pending=any(stage.again for stage in stages)))
+        stages.append(_released(workspace, run, pending=any(stage.again for stage in stages), check=check))
     return RunStatus(run, tuple(stages))
 
 
@@ -214,8 +209,8 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     done, stored = folder.done(), _read_spec(folder.path / SPEC)
     if done is None or stored is None:
         return StageStatus("simulate", "begun" if folder.is_begun() else "not begun", "it was never finished")
-    if check and not holds(folder.path, done.files):
-        return StageStatus("simulate", "damaged", "files of it are damaged or missing")
+    if damage := _damage(folder.path, done.files, check=check):
+        return StageStatus("simulate", "damaged", damage, is_damaged=True)
     current = spec or stored
     if not isinstance(current, RunSpec) or stored.origin is not None:
         return StageStatus("trajectory", "taken over" if stored.origin is None else stored.origin.text)
@@ -225,6 +220,13 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
             return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}", has_failed=True)
         return StageStatus("simulate", "done")
     return StageStatus("simulate", "outdated", _why_outdated(stored, current))
+
+
+def _damage(folder: Path, files: Mapping[str, str], *, check: bool) -> str:
+    """Return what is wrong with the files of a finished stage, which are hashed with `check`; empty if nothing is."""
+    if missing_files(folder, files):
+        return "some of its files are missing"
+    return "some of its files were changed" if check and not holds(folder, files) else ""
 
 
 def _why_outdated(stored: RunSpec | SceneSpec, current: RunSpec) -> str:
@@ -240,8 +242,8 @@ def _framed(folder: StageFolder, stage: str, total: str, *, check: bool) -> Stag
     files = folder.path / (IMAGES if stage.startswith("render") else ANNOTATIONS)
     done = folder.done()
     if done is not None:
-        if check and not holds(folder.path, done.files):
-            return StageStatus(stage, "damaged", "files of it are damaged or missing")
+        if damage := _damage(folder.path, done.files, check=check):
+            return StageStatus(stage, "damaged", damage, is_damaged=True)
         return StageStatus(stage, f"done, {_images(total)}")
     if (folder.path / FAILED).exists():
         why = one_line(folder.problem()) or "for an unknown reason"
@@ -266,7 +268,7 @@ def _frames(files: Path) -> int:
     return min(sum(not path.name.startswith(".") for path in folder.iterdir()) for folder in folders)
 
 
-def _released(workspace: Workspace, run: str, *, pending: bool, has_images: bool = True) -> StageStatus:
+def _released(workspace: Workspace, run: str, *, pending: bool, check: bool, has_images: bool = True) -> StageStatus:
     done = workspace.assemble(run).done()
     there = (workspace.out / run).is_dir()
     if done is None:
@@ -275,9 +277,11 @@ def _released(workspace: Workspace, run: str, *, pending: bool, has_images: bool
         return StageStatus("release", "gone", "its folder is missing")
     if has_images and f"{SIDE}/{SCENE}" not in done.files:
         return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
-    missing = [name for name in done.files if not is_plain_file(workspace.out / run / name)]
+    missing = missing_files(workspace.out / run, done.files)
     if missing:
-        return StageStatus("release", f"without {missing[0]}", "some of its files are missing")
+        return StageStatus("release", f"without {missing[0]}", "some of its files are missing", is_damaged=True)
+    if check and not holds(workspace.out / run, done.files):
+        return StageStatus("release", "damaged", "some of its files were changed", is_damaged=True)
     return StageStatus("release", "done", "it is assembled again after its other stages" if pending else "")
 
 
@@ -302,36 +306,19 @@ def in_order(run: str) -> tuple[str, int]:
     return route, int(number) if number.isdigit() else 0
 
 
-def _worker(workspace: Workspace) -> Worker:
-    """Return whether another command works in the folder, by its lock, which is released at once."""
-    try:
-        descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
-    except OSError:
-        return Worker(is_working=False, has_stages=(workspace.out / STAGES).is_dir())
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return Worker(is_working=True, process=_holder(os.fstat(descriptor)))
-    else:
-        return Worker(is_working=False)
-    finally:
-        os.close(descriptor)
-
-
-def _holder(place: os.stat_result) -> int:
-    """Return the process that holds the lock, by /proc/locks of Linux (proc(5)); 0 where that is unknown."""
-    where = f"{os.major(place.st_dev):02x}:{os.minor(place.st_dev):02x}:{place.st_ino}"
-    try:
-        lines = Path("/proc/locks").read_text(encoding="ascii").splitlines()
-    except (OSError, ValueError):
-        return 0
-    rows = [line.split() for line in lines]
-    return next((int(row[4]) for row in rows if row[1:2] == ["FLOCK"] and row[5:6] == [where]), 0)
-
-
 def missing_lists(workspace: Workspace) -> tuple[str, ...]:
     """Return the names of the lists of checksums that are missing, so that the release is not finished."""
     return tuple(name for name in (MANIFEST, TAG_MANIFEST) if not is_plain_file(workspace.out / name))
+
+
+def missing_from_release(workspace: Workspace) -> Sequence[str]:
+    """Return the missing lists of checksums or, where both are there, the missing files that they name."""
+    if lists := missing_lists(workspace):
+        return lists
+    try:
+        return missing_files(workspace.out, read_manifest(read_file(workspace.out / MANIFEST, FileKind.CHECKSUMS)))
+    except (OSError, ValueError):  # damaged, so that the next release writes it again
+        return (MANIFEST,)
 
 
 def _release(workspace: Workspace, *, check: bool) -> ReleaseStatus:

@@ -8,8 +8,8 @@ from pipeline.run_folder.status import (
     ImageCost,
     ReleaseStatus,
     RunStatus,
-    Worker,
 )
+from pipeline.run_folder.worker import Worker
 from symolo.core.progress import plural
 
 MAX_DONE_RUNS = 20

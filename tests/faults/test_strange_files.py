@@ -83,7 +83,12 @@ COMMANDS = {
     "rerender": ["rerender", f"DATA/{RUN}", "--look", "lab", "--out", "OUT", "--preview"],
 }
 READS_SOME = ("report", "contact-sheet", "view", "video", "diagnose", "inspect", "rerender", "status", "status --check")
-ALLOWED = {command: {0, 2} for command in READS_SOME} | {"verify": {4}, "compare": {2, 7}, "repair": {0, 2, 4}}
+ALLOWED = {command: {0, 2} for command in READS_SOME} | {
+    "verify": {4},
+    "status --check": {0, 2, 4},
+    "compare": {2, 7},
+    "repair": {0, 2, 4},
+}
 """Exit codes; 2 for those that are not named. A command that does not read a file may succeed without it."""
 ABOUT = """
 title: A

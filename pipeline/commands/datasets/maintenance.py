@@ -19,11 +19,11 @@ def status(
     settings: Settings = None,
     check: Annotated[bool, typer.Option("--check", help="Also hash every file, to detect damage.")] = False,
     as_json: Json = False,
-) -> None:
+) -> int:
     """Show what an output folder contains, what failed, and what the next release would do and why.
 
     The command also shows whether another command works in the folder, and how much disk space the folder uses. It
-    changes nothing.
+    changes nothing. The exit code is 4 if --check detects missing or changed files, and 0 otherwise.
 
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
@@ -42,14 +42,16 @@ def status(
     loaded = load_scenario(scenario, settings or ()) if scenario is not None else None
     specs = draw_reported(loaded, report_here()) if loaded else ()
     result = status_of(folder, specs, check=check)
+    code = FAULTS if check and result.is_damaged else 0
     if as_json:
         from pipeline.json_results.status import StatusResult
 
-        typer.echo(StatusResult.of(str(folder), result).to_json())
-        return
+        typer.echo(StatusResult.of(str(folder), result, code).to_json())
+        return code
     losses = losses_of(Workspace(folder.absolute()), loaded.tree, specs) if loaded else None
     for line in (*status_lines(result, losses, check=check), *effect_file_lines(folder)):
         typer.echo(line)
+    return code
 
 
 def repair(

@@ -208,7 +208,8 @@ def release(
 
     What a command with other inputs would do: symolo release smoke --out data --set render.quality=high --dry-run
 
-    With --dry-run --json, the key `up_to_date` states whether there is nothing to do.
+    With --dry-run --json, the key `up_to_date` states whether there is nothing to do, as far as the settings and the
+    names of the files show; `symolo status DIR --check` also hashes the files.
 
     Robots that agree with a diagnosis, another one in each run: symolo release smoke --like diagnosis --out data
 
@@ -304,7 +305,7 @@ def _dry_run(batch: "Batch", out: Path, report: "Report", *, replace: bool, as_j
     """
     from pipeline.json_results.release import ReleaseResult
     from pipeline.run_folder.losses import check_losses, losses_of
-    from pipeline.run_folder.status import missing_lists, run_status
+    from pipeline.run_folder.status import missing_from_release, run_status
     from pipeline.run_folder.status_text import dry_run
 
     workspace, tree, specs = batch.workspace, batch.loaded.tree, batch.specs
@@ -313,7 +314,7 @@ def _dry_run(batch: "Batch", out: Path, report: "Report", *, replace: bool, as_j
         typer.echo(line)
     check_losses(workspace, tree, specs, report, replace=replace, dry_run=True)
     if as_json:
-        typer.echo(ReleaseResult.of(str(out), runs, losses, has_lists=not missing_lists(workspace)).to_json())
+        typer.echo(ReleaseResult.of(str(out), runs, losses, is_whole=not missing_from_release(workspace)).to_json())
 
 
 def _do_stages(

@@ -4,7 +4,7 @@ import hashlib
 import json
 import os
 import stat
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from symolo.core.errors import EnvironmentLacking
@@ -70,6 +70,11 @@ def _files_below(folder: Path) -> Iterator[Path]:
 def holds(folder: Path, files: Mapping[str, str]) -> bool:
     """Return whether each of the files is there with its SHA-256."""
     return all(is_plain_file(folder / name) and sha256_of(folder / name) == digest for name, digest in files.items())
+
+
+def missing_files(folder: Path, names: Iterable[str]) -> list[str]:
+    """Return which of these files are not in the folder."""
+    return [name for name in names if not is_plain_file(folder / name)]
 
 
 def read_known(path: Path, digest: str) -> bytes:

@@ -61,6 +61,11 @@ def test_what_a_folder_contains_and_what_the_next_release_would_do(dataset, copy
     assert all(run["done"] for run in document["runs"])
     assert (document["faults"], document["release_finished"], document["next_release"]) == (0, True, {})
     assert document["cost"]["images"] == 12
+    (root / "CW/test_1/data.csv").write_text("t\n0\n")
+    (root / "README.md").unlink()
+    document = result("status", root, "--check")
+    assert (document["faults"], document["exit_code"]) == (2, 4)
+    assert document["next_release"] == {"release: some of its files were changed": 1}
     (root / "manifest-sha256.txt").unlink()
     shutil.rmtree(root / ".stages/render/CW/test_1")
     document = result("status", root)
@@ -113,8 +118,11 @@ def test_a_dry_run_of_a_release_states_whether_there_is_anything_to_do(dataset, 
     assert (document["up_to_date"], document["would_lose"]["runs"]) == (False, ["CCW/test_1", "CW/test_1"])
     refused = symolo(*release, *tiny, "--set", "name=other", "--json")
     assert (refused.code, refused.out) == (2, "")
-    (root / "tagmanifest-sha256.txt").unlink()
-    assert result(*release, *tiny)["up_to_date"] is False
+    for name in ("README.md", "tagmanifest-sha256.txt"):
+        (root / name).rename(root.parent / "elsewhere")
+        assert result(*release, *tiny)["up_to_date"] is False
+        (root.parent / "elsewhere").rename(root / name)
+    assert result(*release, *tiny)["up_to_date"] is True
     refused = symolo("release", "smoke", "--out", root, "--json")
     assert (refused.code, refused.out, "--json is for --dry-run; add --dry-run" in refused.err) == (2, "", True)
 

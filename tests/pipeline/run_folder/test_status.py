@@ -92,14 +92,35 @@ def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo
 def test_damage_and_failures_are_reported(out, symolo):
     image = out / ".stages/render/CW/test_1/images/000001.jpg"
     image.write_bytes(image.read_bytes()[:-1])
-    assert "damaged" not in symolo("status", out).out
-    assert "render damaged" in symolo("status", out, "--check").out
+    without, checked = symolo("status", out), symolo("status", out, "--check")
+    assert ("damaged" in without.out, without.code) == (False, 0)
+    assert ("render damaged" in checked.out, checked.code) == (True, 4)
     outcome = out / ".stages/simulate/CCW/test_1/outcome.json"
     content = json.loads(outcome.read_text())
     outcome.write_text(json.dumps({**content, "problems": ["touched sill at 0.55 s"]}))
     printed = symolo("status", out).out
     assert "CCW/test_1: simulate failed: touched sill at 0.55 s" in printed
     assert "runs: 1 of 2 released and up to date; 1 failed\n" in printed
+
+
+def test_a_changed_file_of_the_release_is_made_again_by_the_next_one(out, symolo):
+    image = out / "CW/test_1/images/000001.jpg"
+    whole = image.read_bytes()
+    image.write_bytes(whole[:-1] + b"\0")
+    without, checked = symolo("status", out), symolo("status", out, "--check")
+    assert ("would be done" in without.out, without.code) == (False, 0)
+    assert (
+        "would be done by the next release, 1 run (CW/test_1): release: some of its files were changed" in checked.out
+    )
+    assert "runs: 1 of 2 released and up to date\n" in checked.out
+    assert "release: 1 fault; `symolo verify` lists them\n" in checked.out
+    assert checked.code == 4
+
+
+def test_a_missing_file_of_a_stage_is_reported_without_hashing(out, symolo):
+    (out / ".stages/render/CW/test_1/images/000001.jpg").unlink()
+    printed = symolo("status", out).out
+    assert "would be done by the next release, 1 run (CW/test_1): render: some of its files are missing\n" in printed
 
 
 @pytest.mark.parametrize("name", ["CW/test_1/data.csv", "manifest-sha256.txt"])
