@@ -30,7 +30,7 @@ class ComparedFile(JsonPart):
     """Peak over root mean square of the difference, the PSNR of images; null for equal values and if there is no such
     number."""
     what: str
-    """Largest difference and its place; empty for an identical file."""
+    """Largest difference and its place; of a JSON file, up to five with their keys; empty for an identical file."""
 
     @classmethod
     def of(cls, result: FileResult) -> "ComparedFile":

@@ -1,4 +1,4 @@
-"""Comparison of two JSON documents, leaf by leaf: the largest difference of numbers, and the first other difference."""
+"""Comparison of two JSON documents, leaf by leaf: the values that differ, the least alike first."""
 
 import json
 import math
@@ -17,6 +17,9 @@ HOW_IT_WAS_MADE = {
 }
 """Keys by file that describe how the file was made, or follow from other files; they are no difference of the data."""
 
+MAX_SHOWN = 5
+"""Largest number of differences that are named."""
+
 _MISSING = object()
 
 
@@ -26,20 +29,26 @@ def likeness(a: bytes, b: bytes, name: str) -> Likeness:
         leaves_a, leaves_b = (dict(_leaves(json.loads(data), ignored)) for data in (a, b))
     except (ValueError, RecursionError):
         return Likeness.none("is no JSON in A or in B")
-    worst = Likeness(math.inf, "differs only in how it was made, or in its form")
+    differences: list[tuple[float, str]] = []
     for path in dict.fromkeys((*leaves_a, *leaves_b)):
         one, other = leaves_a.get(path, _MISSING), leaves_b.get(path, _MISSING)
-        if one == other and type(one) is type(other):
-            continue
-        text_a, text_b = ("nothing" if value is _MISSING else shown(value) for value in (one, other))
-        what = f"{dotted(path)}: {text_a} in A, {text_b} in B"
-        number, other_number = _number(one), _number(other)
-        if number is None or other_number is None:
-            return Likeness.none(what)
-        level = level_db(np.array([number - other_number]), abs(number))
-        if level < worst.level_db:
-            worst = Likeness(level, what)
-    return worst
+        if one != other or type(one) is not type(other):
+            text_a, text_b = ("nothing" if value is _MISSING else shown(value) for value in (one, other))
+            differences.append((_level_db(one, other), f"{dotted(path)}: {text_a} in A, {text_b} in B"))
+    if not differences:
+        return Likeness(math.inf, "differs only in how it was made, or in its form")
+    differences.sort(key=lambda difference: difference[0])  # stable: equal levels stay in the order of the document
+    texts = [text for _, text in differences[:MAX_SHOWN]]
+    more = len(differences) - MAX_SHOWN
+    return Likeness(differences[0][0], "; ".join([*texts, *([f"and {more} more"] if more > 0 else [])]))
+
+
+def _level_db(one: object, other: object) -> float:
+    """Return the level of two numbers; other values that differ are not alike."""
+    number, other_number = _number(one), _number(other)
+    if number is None or other_number is None:
+        return -math.inf
+    return level_db(np.array([number - other_number]), abs(number))
 
 
 def _leaves(value: object, ignored: Collection[str], path: FieldPath = ()) -> Iterator[tuple[FieldPath, object]]:

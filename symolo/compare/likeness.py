@@ -13,7 +13,7 @@ class Likeness:
     level_db: float
     """Peak over root mean square of the difference [dB]; inf for equal values, -inf for files without likeness."""
     what: str
-    """Description of the largest difference and its place."""
+    """Description of the largest difference and its place; of a JSON file, those of up to five."""
 
     @classmethod
     def none(cls, what: str) -> "Likeness":

@@ -29,7 +29,7 @@ class DifferingFile:
     name: str
     level: str
     what: str
-    """Largest difference and its place."""
+    """Largest difference and its place; of a JSON file, up to five."""
     images: ImagePair | None = None
     column: ColumnPair | None = None
 

@@ -118,8 +118,20 @@ def test_tables_that_no_tolerance_makes_equal(pair, table, what):
     [
         ({"look": {"sun": 2.002, "name": "lab"}}, 60.0, "look.sun: 2.0 in A, 2.002 in B"),
         ({"look": {"sun": 2.0, "name": "lap"}}, -math.inf, "look.name: 'lab' in A, 'lap' in B"),
-        ({"none": [1]}, -math.inf, "none: '[]' in A, nothing in B"),
+        ({"none": [1]}, -math.inf, "none: '[]' in A, nothing in B; none.0: nothing in A, 1 in B"),
         ({"seed": True}, -math.inf, "seed: 1 in A, true in B"),
+        (
+            {"seed": 2, "look": {"sun": 2.002, "name": "lap"}},
+            -math.inf,
+            "look.name: 'lab' in A, 'lap' in B; seed: 1 in A, 2 in B; look.sun: 2.0 in A, 2.002 in B",
+        ),
+        (
+            {"none": list("abcdef")},
+            -math.inf,
+            "none: '[]' in A, nothing in B; "
+            + "; ".join(f"none.{number}: nothing in A, {letter!r} in B" for number, letter in enumerate("abcd"))
+            + "; and 2 more",
+        ),
     ],
 )
 def test_documents_are_distinguished_by_their_leaves(pair, change, level_db, what):
