@@ -14,6 +14,7 @@ import numpy as np
 
 from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import Diagnosis
+from diagnosis.discovery.active_samples import ActiveSamples
 from diagnosis.discovery.form import LawForm
 from diagnosis.discovery.grammar import CURVE, can_have_law, forms, smooth
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
@@ -25,7 +26,7 @@ from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.gain import gain
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, seen_ranges
+from diagnosis.inference.naming.seen_range import SeenRange, conditions, predicted_readings, rows_of, seen_ranges
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.refusal import is_at_bound
 from diagnosis.inference.selection.removal import without
@@ -165,6 +166,9 @@ def _law(diagnosis: Diagnosis, best: FittedLaw, search: LawSearch) -> tuple[Disc
         values=dict(values),
         std=form.with_width_of_jump(values, fit.std(form.candidate)),
         ranges=tuple(_ranges(diagnosis, fit, form)),
+        active=ActiveSamples.of(
+            evidence, form.covariates, rows_of(evidence, diagnosis.selection.nominal, fit, form.candidate)
+        ),
         is_curve=form.shape == CURVE,
         fall=before.cost - fit.cost,
         heldout_fall=float((before.costs - fit.costs)[evidence.heldout].sum()) if evidence.heldout.any() else None,

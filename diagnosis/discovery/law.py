@@ -8,6 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 
 from configs.effects.registry import EFFECTS
+from diagnosis.discovery.active_samples import ActiveSamples
 from diagnosis.discovery.form import LawForm
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
@@ -31,6 +32,8 @@ class DiscoveredLaw:
     std: Mapping[str, float]
     ranges: tuple[SeenRange, ...]
     """Range of each of its own covariates over all rows, and of the others over the rows in which it matters."""
+    active: ActiveSamples | None
+    """Samples in which it acts; None if it matters in none by itself."""
     is_curve: bool
     """Whether it is a smooth curve, since no form with few numbers was as good."""
     fall: float
@@ -74,6 +77,7 @@ class DiscoveredLaw:
         notes = [
             f"`symolo diagnose --discover` proposed it for {self.source}. It describes the data and names no cause."
         ]
+        notes += [f"It acts in {self.active.text}."] if self.active and not self.active.is_everywhere else []
         notes += [f"Seen for {self.seen_for}."] if self.ranges else []
         if self.gain is not None:
             notes.append(f"Gain on held-out rows: {100.0 * self.gain.value:.3g} %.")

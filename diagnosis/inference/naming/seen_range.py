@@ -16,6 +16,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.measured.case_files.case_format import LONG_AFTER_S
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import CovariateShape, Observed
 from diagnosis.predictors.turning_loads import TURNING
 from symolo.core.arrays import Array
@@ -50,10 +51,7 @@ def seen_ranges(
         fit: The fit with the effect.
         effect: One of the effects of `fit`.
     """
-    spread = np.abs(fit.spreads[fit.hypothesis.parameters(effect)]).max(axis=0)
-    rows = evidence.fit | evidence.heldout
-    change = change_by(evidence.with_rows(fit=rows), nominal, fit, effect)
-    matters = (np.abs(change) > MATTERS) | (rows & (spread > 0.0))
+    matters = rows_of(evidence, nominal, fit, effect)
     readings = predicted_readings(evidence, fit)
     ranges: dict[str, SeenRange] = {}
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
@@ -67,6 +65,14 @@ def seen_ranges(
             before = ranges.get(name, SeenRange(name, low, high))
             ranges[name] = SeenRange(name, min(low, before.low), max(high, before.high))
     return tuple(ranges.values())
+
+
+def rows_of(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Mask:
+    """Return in which rows (N,), fitted or held out, an effect of `fit` matters; `nominal` has no effects."""
+    spread = np.abs(fit.spreads[fit.hypothesis.parameters(effect)]).max(axis=0)
+    rows = evidence.fit | evidence.heldout
+    change = change_by(evidence.with_rows(fit=rows), nominal, fit, effect)
+    return (np.abs(change) > MATTERS) | (rows & (spread > 0.0))
 
 
 def predicted_readings(evidence: Evidence, fit: HypothesisFit) -> dict[str, Array]:

@@ -21,6 +21,8 @@ def sentences(discovery: Discovery | None) -> Iterator[str]:
     yield f"{_structure(law)}. A law describes the data and names no cause; its file is {law.file}."
     yield f"Its numbers are {_numbers(law)}."
     yield f"{_evidence(law)}."
+    if law.active and not law.active.is_everywhere:
+        yield f"It acts in {law.active.text}."
     if law.ranges:
         yield f"It was seen for {law.seen_for}; beyond, it is a guess."
     yield f"{_rivals(law)}."
@@ -39,6 +41,8 @@ def entries(discovery: Discovery | None) -> Iterator[tuple[str, str]]:
     for name, value in law.values.items():
         yield f"  {name}", with_error(value, law.std[name], "+-")
     yield "  evidence", _evidence(law)
+    if law.active and not law.active.is_everywhere:
+        yield "  acts in", law.active.text
     if law.ranges:
         yield "  seen for", law.seen_for
     yield "  rivals", _rivals(law)
@@ -62,6 +66,7 @@ def in_json(discovery: Discovery | None) -> dict[str, object]:
         "parameters": {**dict(law.effect.choices), **law.values},
         "std": dict(law.std),
         "range": {seen.covariate: [seen.low, seen.high] for seen in law.ranges},
+        **_active(law),
         "cost_fall": law.fall,
         "chance": law.chance,
         "forms_tried": law.forms_tried,
@@ -73,6 +78,20 @@ def in_json(discovery: Discovery | None) -> dict[str, object]:
     if law.gain is not None:
         result |= {"gain": law.gain.value, "gain_ci": [law.gain.low, law.gain.high]}
     return {"discovery": result}
+
+
+def _active(law: DiscoveredLaw) -> dict[str, object]:
+    """Return the samples in which a law acts, under its key; empty if it acts in none by itself."""
+    if law.active is None:
+        return {}
+    active = law.active
+    return {
+        "active": {
+            "fitted": active.fitted,
+            "heldout": active.heldout,
+            "range": {seen.covariate: [seen.low, seen.high] for seen in active.ranges},
+        }
+    }
 
 
 def _structure(law: DiscoveredLaw) -> str:
@@ -100,7 +119,9 @@ def _evidence(law: DiscoveredLaw) -> str:
             f", where the error falls from {law.gain.before:.3g} to {law.gain.after:.3g} sigma, a gain of "
             f"{gain_text(law.gain)}"
         )
-        if law.gain.low <= 0.0:
+        if law.active and law.active.misses_heldout:
+            text += "; it acts in no held-out sample, so that these do not test it"
+        elif law.gain.low <= 0.0:
             is_clear = law.heldout_fall is not None and law.heldout_fall >= _CLEAR_FALL
             hidden = "which outliers hide, or the law matters in few of these rows"
             text += f", {hidden if is_clear else 'so that the held-out rows alone do not show it'}"

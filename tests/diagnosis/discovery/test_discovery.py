@@ -140,6 +140,17 @@ def test_a_threshold_is_as_uncertain_as_the_rows_about_it_are_apart(diagnosis_of
     assert diagnosis_of("threshold").law.std["edge_s"] == pytest.approx(4.0 / np.sqrt(12.0))
 
 
+def test_a_threshold_acts_in_the_rows_beyond_it(diagnosis_of):
+    """Row k is at 2 k s, and every fourth row is held out."""
+    law = diagnosis_of("threshold").law
+    beyond = [row for row in range(ROWS) if 2.0 * row > law.values["edge_s"]]
+    heldout = [row for row in beyond if row % 4 == 3]
+    assert (law.active.heldout, law.active.all_heldout) == (len(heldout), 20)
+    assert (law.active.fitted, law.active.all_fitted) == (len(beyond) - len(heldout), 60)
+    (seen,) = law.active.ranges
+    assert (seen.low, seen.high) == (2.0 * beyond[0], 158.0)
+
+
 @pytest.mark.parametrize(("edge_s", "is_same"), [(95.9, True), (60.0, False)])
 def test_a_threshold_at_another_row_is_another_number(diagnosis_of, edge_s, is_same):
     diagnosis = diagnosis_of("threshold")
