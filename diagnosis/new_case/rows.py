@@ -20,6 +20,7 @@ from diagnosis.new_case.held_rows import held_otherwise, left_out_notes, of_othe
 from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
+from diagnosis.new_case.sampling_note import has_times, in_words, is_input
 from logs.counts import running_counts
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source, missing_note
@@ -285,9 +286,10 @@ def _regular(parts: Sequence[_Rows], kind: CaseKind, log: LogFile, notes: list[s
         return [_Rows(part.t_s - part.t_s[0] + first_s, part.values, part.words) for part in parts]
     scatter_s = float(np.quantile(np.abs(steps - step_s), 0.9))
     within = f", 9 of 10 within {scatter_s:.2g} s" if scatter_s > 1e-3 * step_s else ""
+    names = {name for part in parts for name, column in part.values.items() if np.isfinite(column).any()}
     notes.append(
-        f"rows are {step_s:.4g} s apart{within}: sampled again every {wanted_s:.4g} s; voltages are means, counts and "
-        "poses are interpolated between rows, ranges are the nearest"
+        f"rows are {step_s:.4g} s apart{within}: sampled again every {wanted_s:.4g} s; "
+        + in_words(names, has_all_times=all(has_times(part.t_s, wanted_s) for part in parts))
     )
     return [_sampled(part, step_s, wanted_s, first_s) for part in parts]
 
@@ -311,7 +313,7 @@ def _sampled(part: _Rows, step_s: float, wanted_s: float, first_s: float) -> _Ro
             nearest = _nearest(since_s, t_s)
             close = np.abs(since_s[nearest] - t_s) <= max(step_s, 0.5 * wanted_s)
             values[name] = np.where(close, column[nearest], np.nan)
-        elif name.endswith("_V") or "_cmd_" in name:
+        elif is_input(name):
             values[name] = held_means(since_s, column, t_s, wanted_s)
         else:
             values[name] = _interpolated(t_s, since_s, column)

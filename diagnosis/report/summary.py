@@ -101,7 +101,8 @@ def _not_named(data: ReportData) -> Iterator[str]:
     for each in diagnosis.withheld:
         yield from _entry("withheld", f"{each.name}: {each.reason}")
     for name, drop, times in hints(diagnosis):
-        text = f"{name}, too weak to be named (the cost falls by {drop:.1f}); {times:.1f} times the rows would decide"
+        text = f"{name}, too weak to be named: the cost falls by {drop:.1f}, and a name needs {drop * times:.0f}; "
+        text += f"about {times:.1f} times as many rows like these would decide"
         yield from _entry("hint", text)
     for tried in data.own_effects:
         yield from _entry("your own", f"{tried.name}, {tried.text}")

@@ -187,7 +187,9 @@ def certainty(named: NamedEffect) -> str:
         if shares := list(_shares_of_doubt(named)):
             return f"{sure}; the rest is shared by {listed([*shares, 'causes that are in no list'])}"
     if comparison.rivals:
-        return f"{sure}; the closest alternative, {comparison.rivals[0].effect.name}, explains the data worse"
+        rival = comparison.rivals[0]
+        worse = f"explains the data worse: the cost is higher by {cost(rival.worse)}"
+        return f"{sure}; the closest alternative, {rival.effect.name}, {worse}"
     if comparison.confidence < _MIN_SURE:
         return f"{sure}; no other effect comes close, but the cost falls little more than by chance"
     return f"{sure}; no other effect comes close"
@@ -199,7 +201,8 @@ def _shares_of_doubt(named: NamedEffect) -> Iterator[str]:
     shares = [(comparison.by_chance, "chance (the cost falls little more than a name needs)")]
     if comparison.rivals:
         rival = comparison.rivals[0]
-        shares.append((rival.worse, f"the closest alternative ({rival.effect.name}, which explains the data worse)"))
+        text = f"the closest alternative ({rival.effect.name}, with which the cost is higher by {cost(rival.worse)})"
+        shares.append((rival.worse, text))
     shares += [(rise, name.rstrip(",")) for name, rise in comparison.others[:1]]
     yield from (text for rise, text in sorted(shares) if rise < _NEARLY_AS_WELL)
 
@@ -293,10 +296,15 @@ def unexplained_sentence(structure: Structure) -> str:
 
 
 def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:
-    """Yield effects that are too weak to be named: name, fall of the cost, and the factor of rows that would decide."""
+    """Yield effects that are too weak to be named: name, fall of the cost, and the factor of rows that would decide.
+
+    An effect that was tried several times counts with the largest fall.
+    """
+    entries = sorted(diagnosis.selection.refused, key=lambda entry: -entry.drop)
+    largest = {entry.effect.name: entry for entry in reversed(entries)}
     for entry in diagnosis.selection.refused:
         threshold = needed(entry.effect)
-        if NEARLY <= entry.drop < threshold:
+        if entry is largest[entry.effect.name] and NEARLY <= entry.drop < threshold:
             yield entry.effect.name, entry.drop, threshold / entry.drop
 
 

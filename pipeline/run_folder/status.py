@@ -208,7 +208,9 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     folder = workspace.simulate(run)
     done, stored = folder.done(), _read_spec(folder.path / SPEC)
     if done is None or stored is None:
-        return StageStatus("simulate", "begun" if folder.is_begun() else "not begun", "it was never finished")
+        if not folder.path.exists() and not folder.is_begun():
+            return StageStatus("simulate", "not begun", "it was never begun")
+        return StageStatus("simulate", "begun", "it was never finished")
     if damage := _damage(folder.path, done.files, check=check):
         return StageStatus("simulate", "damaged", damage, is_damaged=True)
     current = spec or stored

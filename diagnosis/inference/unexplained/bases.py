@@ -46,6 +46,8 @@ MIN_WAVES = 1.5
 MIN_ROWS_PER_WAVE = 2.0
 """Least mean number of distinct values in a wave, as at the Nyquist frequency; values of a bench are mostly uneven, and
 then show even shorter waves."""
+WITH_COVARIATE = ", changing sign with it"
+"""End of the description of a dependence that is odd in the covariate."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         grid = _grid(values, covariate.second[rows])
         yield from _enough(grid, "place")
         if covariate.size is not None:
-            yield from _enough(grid * covariate.size[rows, None], "place, either way")
+            yield from _enough(grid * covariate.size[rows, None], "place, with the sign of the motion")
     elif covariate.shape is CovariateShape.CATEGORY:
         names = np.unique(values[known])
         if 2 <= len(names) <= CATEGORIES:
@@ -90,7 +92,7 @@ def _smooth(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     if not is_load:
         yield from _enough(_hats(values, known, _quantiles(values[known])), "trend")
     if min(np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)) >= SHARE_OF_SIGN:
-        yield from _enough(_odd(values, known), "trend, either way")
+        yield from _enough(_odd(values, known), f"trend{WITH_COVARIATE}")
     if is_load and covariate.size is not None:
         # A load acts against the motion, so that no other curve of a covariate with a size has a meaning.
         hats = _hats(np.abs(values), known, _quantiles(np.abs(values[known])))

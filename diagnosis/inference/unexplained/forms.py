@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.inference.unexplained.bases import SHARE_OF_SIGN
+from diagnosis.inference.unexplained.bases import SHARE_OF_SIGN, WITH_COVARIATE
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
@@ -26,7 +26,7 @@ CHANGED = 0.1
 """Share of the greatest change, from which a row counts as changed by a form."""
 FOLLOWS = 0.8
 """Share of rows with the same sign, from which a covariate has the sign of the prediction."""
-WITH_READING, WITH_COVARIATE = ", changing sign with the reading", ", changing sign with it"
+WITH_READING = ", changing sign with the reading"
 CLOCKS = ("t_s", "row", "session_time_s")
 """Covariates that tell only when a row was taken. Other functions of them are drifts, jumps and runs of outliers, which
 have tests of their own."""

@@ -78,7 +78,16 @@ def test_a_fast_log_is_sampled_twenty_times_a_second(log):
     np.testing.assert_array_equal(trial["enc_left_ticks"].values, 10 * np.arange(80))
     np.testing.assert_allclose(trial["theta_rad"].values, trial.t_s)
     np.testing.assert_allclose(trial["u_left_V"].values[:-1], (2 * 1.0 + 3 * 6.0) / 5)
-    assert any("sampled again every 0.05 s" in note for note in measurement.notes)
+    sampled = "sampled again every 0.05 s; voltages are means, counts and poses are those of the row at that time"
+    assert any(note.endswith(sampled) for note in measurement.notes)
+
+
+def test_what_is_sampled_again_is_named_only_if_the_log_has_it(log):
+    """Of rows 0.02 s apart, only every fifth one is at a multiple of 0.05 s."""
+    t = 0.02 * np.arange(400)
+    ticks = np.round(200 * t).astype(int)
+    measurement = measured(log(table("t,encL,encR,x,y,theta", t, ticks, 2 * ticks, 0.1 * t, -0.1 * t, np.round(t, 9))))
+    assert any(note.endswith("every 0.05 s; counts and poses are interpolated") for note in measurement.notes)
 
 
 @pytest.mark.parametrize(

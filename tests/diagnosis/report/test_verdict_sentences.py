@@ -17,6 +17,7 @@ from diagnosis.report.verdict import (
     certainty,
     gain_sentences,
     headline,
+    hints,
     no_effect,
     nothing_left,
     unexplained_sentence,
@@ -47,7 +48,7 @@ RIVAL = SimpleNamespace(effect=SimpleNamespace(name="speed_scale"), worse=9.0)
         ([(FORM, 5.0)], "an error of simple form, whose cause is in no list, would explain the data nearly as well"),
         (
             [(FORM, 10.0)],
-            "; the rest is shared by the closest alternative (speed_scale, which explains the data worse), an error of",
+            "; the rest is shared by the closest alternative (speed_scale, with which the cost is higher by 9.0), an",
         ),
     ],
 )
@@ -58,8 +59,22 @@ def test_a_name_that_is_not_certain_says_what_else_it_may_be(others, text):
 def test_a_name_near_chance_says_where_the_rest_of_the_confidence_is():
     assert said(0.436, (FORM, 30.0), rivals=[RIVAL], by_chance=1.0) == (
         "43.6 %; the rest is shared by chance (the cost falls little more than a name needs), the closest "
-        "alternative (speed_scale, which explains the data worse) and causes that are in no list"
+        "alternative (speed_scale, with which the cost is higher by 9.0) and causes that are in no list"
     )
+
+
+def test_a_name_with_an_alternative_says_how_much_worse_it_is():
+    assert said(0.95, (FORM, 30.0), rivals=[RIVAL]) == (
+        "95 %; the closest alternative, speed_scale, explains the data worse: the cost is higher by 9.0"
+    )
+
+
+def test_an_effect_that_was_tried_twice_is_one_hint():
+    """A name with one number needs a fall of 15."""
+    effect = SimpleNamespace(name="friction_asymmetry", kind=SimpleNamespace(slot=None), coordinates=(None,))
+    entries = [SimpleNamespace(effect=effect, drop=drop) for drop in (13.2, 14.1, 2.0)]
+    diagnosis: Any = SimpleNamespace(selection=SimpleNamespace(refused=entries))
+    assert list(hints(diagnosis)) == [("friction_asymmetry", 14.1, pytest.approx(15.0 / 14.1))]
 
 
 def test_a_name_that_is_nearly_certain_says_nothing_of_what_is_far_away():
@@ -78,7 +93,11 @@ def test_a_name_beside_something_unexplained_says_so():
             "a straight line that begins at one value of commanded voltage, changing",
         ),
         ("bump", "a bump around one value of commanded voltage)"),
-        ("trend, either way", "a smooth curve over commanded voltage, either way)"),
+        ("trend, changing sign with it", "a smooth curve over commanded voltage, changing sign with it)"),
+        (
+            "place, with the sign of the motion",
+            "an error that depends on the place, with the sign of the motion)",
+        ),
         ("outliers at neighbouring values", "(outliers at neighbouring values of commanded voltage)"),
         ("runs of rows", "(successive rows that are off together)"),
     ],

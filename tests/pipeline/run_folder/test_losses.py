@@ -96,7 +96,7 @@ def test_a_dry_run_says_what_a_release_would_take_away_do_and_keep_and_writes_no
 def test_a_dry_run_into_a_new_folder_makes_no_folder(tmp_path, symolo, tiny):
     ended = symolo("release", "smoke", "--out", tmp_path / "new", *tiny, "--dry-run")
     assert ended.code == 0
-    assert "2 runs (CW/test_1, CCW/test_1): simulate: it was never finished" in ended.out
+    assert "2 runs (CW/test_1, CCW/test_1): simulate: it was never begun" in ended.out
     assert not (tmp_path / "new").exists()
 
 
