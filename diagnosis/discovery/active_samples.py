@@ -47,8 +47,13 @@ class ActiveSamples:
             inside = values[name][here & np.isfinite(values[name])] if name in values else np.zeros(0)
             if len(inside):
                 ranges.append(SeenRange(name, float(inside.min()), float(inside.max())))
-        parts = (fitted & here, fitted, heldout & here, heldout)
-        return cls(*(int(np.count_nonzero(part)) for part in parts), tuple(ranges))
+        return cls(
+            fitted=np.count_nonzero(fitted & here),
+            all_fitted=np.count_nonzero(fitted),
+            heldout=np.count_nonzero(heldout & here),
+            all_heldout=np.count_nonzero(heldout),
+            ranges=tuple(ranges),
+        )
 
     @property
     def is_everywhere(self) -> bool:

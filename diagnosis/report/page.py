@@ -25,6 +25,7 @@ from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.predictive import predictive_sentence
 from diagnosis.report.sentences.rows import of_the_log, too_large
+from diagnosis.report.sentences.wheels import wheel_sizes
 from diagnosis.report.summary import reasoning
 from symolo.pages.html import render_page
 
@@ -77,6 +78,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         beyond=list(beyond_list(data.unseen)),
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
+        wheel_sizes=wheel_sizes,
         of_the_log=of_the_log,
         file_numbers=file_numbers,
         dataset_comparison=dataset_comparison,

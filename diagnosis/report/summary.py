@@ -19,6 +19,7 @@ from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.quantities import meaning, with_error
 from diagnosis.report.sentences.rows import of_the_log, too_large
+from diagnosis.report.sentences.wheels import wheel_sizes
 from diagnosis.report.verdict import (
     certainty,
     gain_sentences,
@@ -118,6 +119,8 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
     if stated:
         rise = data.rise_with_file[named.effect.name]
         yield from _entry("  its file", file_numbers.comparison(named, rise, ablation.cost_rise))
+    if sizes := wheel_sizes(named, data.diagnosis, "+-"):
+        yield from _entry("  wheels", sizes)
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))
