@@ -15,6 +15,7 @@ from symolo.core.files.plain_files import FileKind, read_file
 if TYPE_CHECKING:
     from pipeline.diagnosing.diagnose import NamedCase
     from pipeline.work.units import DiagnosisSettings
+    from symolo.core.progress import Report
 
 OPTIONAL = {"robot.yaml", "look.yaml"}
 """Files that an earlier diagnosis may have left and this one may not write."""
@@ -241,10 +242,10 @@ def diagnose(
         discover=discover,
     )
     check_out(out, Kind.DIAGNOSIS)
+    report = report_here()
     if len(named) == 1:
-        _check(named[0], settings)
+        _check(named[0], settings, report)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
-        report = report_here()
         failures = diagnose_cases(named, settings, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
@@ -325,14 +326,17 @@ def identify_camera(
     typer.echo(str(out / PAGE))
 
 
-def _check(case: "NamedCase", settings: "DiagnosisSettings") -> None:
-    """Refuse the only case before anything is written."""
+def _check(case: "NamedCase", settings: "DiagnosisSettings", report: "Report") -> None:
+    """Refuse the only case before anything is written, and report if it may take long."""
     from diagnosis.dataset_comparison import check_drive
     from diagnosis.predictors import check_kind
     from pipeline.diagnosing.diagnose import read_case
+    from pipeline.diagnosing.long_drives import long_drive_note
 
     measurement = read_case(case.path, settings)
     check_kind(measurement)
+    if note := long_drive_note(case.path, measurement):
+        report.say(f"note: {note}")
     if settings.against is not None:
         check_drive(measurement, "CASE")
 
