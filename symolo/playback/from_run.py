@@ -28,11 +28,14 @@ from symolo.playback.playback import (
 )
 from symolo.reader.run import Run
 from symolo.reader.run_folder import RunFolder
+from symolo.reader.sensor import RunSensor
 
 MAX_CURVES = 6
 """Columns of one unit and table that are drawn as curves; more are drawn as a strip of greys."""
 _RANGE_NAMES = ("front", "left", "right")
 """Directions of the range sensors, in the order of their columns."""
+_SAME_TIME_S = 1e-6
+"""Rounding errors of times, within which a reading belongs to a row."""
 _DASHED: Dash = (0, (4.0, 1.5))
 _DOTTED: Dash = (0, (1.0, 1.0))
 _STYLES: tuple[tuple[str, Dash], ...] = (
@@ -55,6 +58,7 @@ def playback_of(run: Run) -> Playback:
     """
     rows, spec = run.table, _spec(run)
     ranges_m = np.where(rows.tof_m == _no_target_m(spec), np.nan, rows.tof_m)
+    further = _further_beams(run)
     return Playback(
         name=run.name,
         t_s=run.t_s,
@@ -62,9 +66,9 @@ def playback_of(run: Run) -> Playback:
         state=rows.state,
         arena=Arena.from_config(spec.arena) if spec else None,
         robot=_outline(spec),
-        beams=_beams(spec, ranges_m),
+        beams=(*_beams(spec, ranges_m), *further),
         scans=tuple(_scans(run)),
-        plots=(*_data_plots(run, ranges_m), *_sensor_plots(run)),
+        plots=(*_data_plots(run, ranges_m, further), *_sensor_plots(run)),
         cameras=_cameras(run),
     )
 
@@ -103,8 +107,30 @@ def _beams(spec: RunDocument | None, ranges_m: Array) -> tuple[Beam, ...]:
     )
 
 
-def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
-    """Yield the plots of the columns of data.csv: speeds or else coordinates, ranges, line sensor."""
+def _further_beams(run: Run) -> tuple[Beam, ...]:
+    """Return the further sensors with one range, such as an ultrasonic one, with their last reading at each row.
+
+    The range is 0 where there was no target.
+    """
+    beams = []
+    for sensor, (colour, _) in zip(filter(_has_one_range, run.sensors.values()), cycle(_STYLES[len(_RANGE_NAMES) :])):
+        last = np.searchsorted(sensor.t_s, run.t_s + _SAME_TIME_S, side="right") - 1
+        read_m = sensor.values("range")[np.maximum(last, 0)] if len(sensor.t_s) else np.zeros(len(run.t_s))
+        range_m = np.where((last >= 0) & (read_m > 0.0), read_m, np.nan)
+        place = sensor.settings
+        beams.append(Beam(sensor.name, place.x_m, place.y_m, float(np.radians(place.yaw_deg)), range_m, colour))
+    return tuple(beams)
+
+
+def _has_one_range(sensor: RunSensor) -> bool:
+    return any(column.name == "range" and column.count == 1 for column in sensor.side_table.columns)
+
+
+def _data_plots(run: Run, ranges_m: Array, further: Sequence[Beam]) -> Iterator[CurvePlot | StripePlot]:
+    """Yield the plots of the columns of data.csv: speeds or else coordinates, ranges, line sensor.
+
+    Ranges of further sensors are in the plot of the ranges too, so that a video with few plots shows them.
+    """
     rows, t_s, names = run.table, run.t_s, set(run.table.columns)
     units = {column.name: column.unit for column in COLUMNS}
     if not names & {"v", "w"}:  # of an imported trajectory, the coordinates are what there is to see
@@ -114,7 +140,9 @@ def _data_plots(run: Run, ranges_m: Array) -> Iterator[CurvePlot | StripePlot]:
         if name in names:
             yield curve_plot(title, units[name], t_s, [name], rows.twist[:, i : i + 1])
     if names & set(_names(RANGES)):
-        yield replace(curve_plot("range", RANGES.unit, t_s, _RANGE_NAMES, ranges_m), from_zero=True)
+        every_m = np.column_stack([ranges_m, *(beam.range_m for beam in further)])
+        curves = (*_RANGE_NAMES, *(beam.name.replace("_", " ") for beam in further))
+        yield replace(curve_plot("range", RANGES.unit, t_s, curves, every_m), from_zero=True)
     if names & set(_names(LINE)):
         yield StripePlot("line sensor", "", t_s, _names(LINE), rows.line)
 

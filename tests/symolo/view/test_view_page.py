@@ -121,6 +121,32 @@ def test_an_arena_with_moving_obstacles_has_their_pose_at_each_row(painted):
     assert crosser["theta"][40] - crosser["theta"][0] == pytest.approx(np.pi / 2, abs=1e-3)
 
 
+def test_a_sonar_is_drawn_on_the_map_and_in_the_plot_of_the_ranges(tmp_path, symolo):
+    """It hangs at the back and looks backwards; each row has its last reading, and none for an echo that is missed."""
+    robot = tmp_path / "robot.yaml"
+    mount = "kind: ultrasonic, x_m: -0.07, yaw_deg: 180, period_s: 0.06, dropout_probability: 0.5"
+    robot.write_text(f"extends: nominal\nname: sensing\nsensors: {{rear_sonar: {{{mount}}}}}\n")
+    settings = ("--set", f"robot={robot}", "--set", "stop.time_limit_s=1", "--workers", 1)
+    assert symolo("simulate", "smoke", *settings, "--out", tmp_path / "data").code == 0
+    assert symolo("view", tmp_path / "data", "--out", tmp_path / "view.html", "--runs", "CW/*").code == 0
+    (run,) = data_of((tmp_path / "view.html").read_text())["runs"]
+    beam = next(beam for beam in run["beams"] if beam["name"] == "rear_sonar")
+    assert (beam["x"], beam["y"], beam["yaw"]) == (-0.07, 0.0, pytest.approx(np.pi))
+    with np.load(tmp_path / "data/.stages/simulate/CW/test_1/trajectory.npz") as stored:
+        times_s, ranges_m = (stored[f"series/sensor_rear_sonar/m/{name}"].ravel() for name in ("t_s", "values"))
+    readings = [*zip(times_s.tolist(), ranges_m.tolist(), strict=True)]
+    expected = []
+    for row in range(len(run["pose"]["x"])):
+        before = [range_m for t_s, range_m in readings if t_s <= 0.05 * row + 1e-6]
+        expected.append(before[-1] if before and before[-1] > 0 else None)
+    assert beam["range"] == [value if value is None else pytest.approx(value, abs=1e-3) for value in expected]
+    assert {None} < {*expected}
+    plot = next(plot for plot in run["plots"] if plot["title"] == "range")
+    colours = {curve["name"]: curve["colour"] for curve in plot["curves"]}
+    assert [*colours] == ["front", "left", "right", "rear sonar"]
+    assert colours["rear sonar"] == beam["colour"]
+
+
 def test_further_sensors_have_plots_and_scans_lie_on_the_walls(tmp_path, symolo):
     """A simulated run with IMU and lidar: the ends of the rays, from the pose at the time of the scan."""
     robot = tmp_path / "robot.yaml"
