@@ -34,6 +34,7 @@ _CURES = MappingProxyType(
             ("ro-crate", "ro-crate-metadata.json"),
         )
     }
+    | {"csv": "the tables of a release are CSV files already: ROUTE/test_N/data.csv and those of ROUTE/test_N/side"}
     | dict.fromkeys(("ros2", "rosbag2", "foxglove"), "a bag of ROS 2 is the format mcap")
 )
 """Advice by the name of a format that no exporter writes, but another format or command covers."""

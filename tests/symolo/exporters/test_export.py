@@ -104,6 +104,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(
     for arguments, what in (
         ((root, "tun", out), f"--format: got 'tun', allowed: {known}; did you mean tum"),
         ((root, "ros2", out), f"--format: got 'ros2', allowed: {known}; a bag of ROS 2 is the format mcap"),
+        ((root, "csv", out), "the tables of a release are CSV files already: ROUTE/test_N/data.csv and those of ROUTE"),
         ((root, "croissant", out), f"--format: got 'croissant', allowed: {known}; `symolo pack` writes croissant.json"),
         ((root, "tum,", out), "names separated by commas"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
