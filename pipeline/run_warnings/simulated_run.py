@@ -13,6 +13,7 @@ from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from pipeline.run_warnings.angles import in_radians, settings_in_radians
 from pipeline.run_warnings.body_room import too_close
+from pipeline.run_warnings.commanded_speed import commanded_in_other_units
 from pipeline.run_warnings.suspicion import Suspicion
 from pipeline.run_warnings.unusual_settings import unusual_settings
 from symolo.arena.footprints import wall_footprint
@@ -183,7 +184,8 @@ def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
     """Return what is suspicious about a run; nothing for nearly all runs."""
     line = Arena.from_config(spec.arena).line
     of_settings = [suspicion.text for suspicion in (*_in_radians(spec, line), *unusual_settings(spec))]
-    return (*_standing(recording), *_without_the_line(spec, line, recording), *of_settings)
+    units = commanded_in_other_units(spec, recording)
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *units, *of_settings)
 
 
 def _standing(recording: Recording) -> Iterator[str]:
