@@ -46,6 +46,7 @@ CHECKS = (
     "tests/configs/test_limits.py",
     "tests/configs/test_bad_input.py",
     "tests/configs/test_draw.py",
+    "tests/configs/test_splits.py",
     f"{ARENAS}::test_a_recipe_and_a_line_of_its_own_do_not_go_together",
 )
 INFERENCE = "tests/diagnosis/inference"
@@ -64,7 +65,11 @@ TESTS = {
         "tests/physics/control/test_controller.py",
     ),
     "symolo/dataset/tables/rows.py": ("tests/symolo/dataset/test_tables.py",),
-    "symolo/core/distributions.py": ("tests/symolo/core/test_distributions.py", "tests/configs/test_bad_input.py"),
+    "symolo/core/distributions.py": (
+        "tests/symolo/core/test_distributions.py",
+        "tests/configs/test_bad_input.py",
+        "tests/symolo/report/test_draws.py::test_a_distribution_in_words",
+    ),
     "configs/checks/arena.py": CHECKS,
     "configs/checks/look.py": CHECKS,
     "configs/checks/robot.py": CHECKS,
@@ -77,10 +82,12 @@ TESTS = {
         f"{ARENAS}::test_the_line_passes_a_start_that_is_one_of_several_places_and_not_between_them",
         f"{ARENAS}::test_ranges_for_which_no_arena_fits_are_refused_with_the_reason",
     ),
-    "sensors/camera/response.py": ("tests/sensors/camera/test_response.py",),
-    "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py",),
+    "sensors/camera/response.py": ("tests/sensors/camera/test_response.py", "tests/sensors/camera/test_mosaic.py"),
+    "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py", "tests/symolo/core/test_fisheye.py"),
     "diagnosis/inference/gain.py": (f"{INFERENCE}/test_gain.py",),
     "diagnosis/inference/selection/refusal.py": (
+        f"{INFERENCE}/selection/test_refusal.py",
+        f"{INFERENCE}/selection/test_selection_steps.py",
         f"{INFERENCE}/selection/test_selection_rules.py",
         f"{INFERENCE}/selection/test_at_bound.py",
     ),

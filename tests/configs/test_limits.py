@@ -1,20 +1,25 @@
 """Limits between several fields: what lies at the limit is accepted or refused, and what lies just beyond is not."""
 
+import math
+
 import numpy as np
 import pytest
 
 from configs.checks.arena import _outermost, arena_faults
 from configs.checks.look import look_faults
 from configs.checks.robot import robot_faults
-from configs.checks.scenario import _period_faults, _start_faults, check_robot
+from configs.checks.scenario import _period_faults, _start_faults, _strength_faults, check_robot
 from configs.draw import draw_look, draw_robot
-from configs.loader import load_section
+from configs.loader import load_scenario, load_section
+from configs.robot_sensors import RobotSensors
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
 from sensors.effects.line_sensor.line_adc_saturation import LineAdcSaturation
 from sensors.effects.pose_log.pose_clock_drift import PoseClockDrift
+from sensors.ranging.ultrasonic import UltrasonicSettings
+from symolo.core.errors import InputError
 from symolo.core.yaml.tree import dotted
 
 LITTLE = 1e-6
@@ -49,6 +54,7 @@ def paths(faults) -> list[str]:
         ({"chassis.clearance_m": 0.05 - LITTLE}, {"chassis.clearance_m": 0.05}, "chassis.clearance_m"),
         ({"tof.no_target_m": 0.04}, {"tof.no_target_m": 0.04 + LITTLE}, "tof.no_target_m"),
         ({"tof.no_target_m": 1.2}, {"tof.no_target_m": 1.2 - LITTLE}, "tof.no_target_m"),
+        ({"tof.no_target_m": 0.0}, {"tof.no_target_m": 0.1}, "tof.no_target_m"),
         ({"drive.track_m": 0.17 - 0.02}, {"drive.track_m": 0.15 + LITTLE}, "drive.track_m"),
         (
             {"drive.wheel_diameter_m": 0.012 + LITTLE},
@@ -80,6 +86,21 @@ def test_a_robot_at_the_limit(robot, accepted, refused, path):
     assert f"robot.{path}" in paths(robot_faults(changed(robot, refused), in_simulation=True))
 
 
+@pytest.mark.parametrize(("no_target_m", "limit"), [(0.21, "min_range_m"), (0.23, "max_range_m")])
+def test_a_value_without_target_contradicts_the_limit_that_is_nearer_as_a_ratio(robot, no_target_m, limit):
+    """Valid ranges are 0.04 m to 1.2 m, whose geometric mean is 0.219 m."""
+    (fault,) = robot_faults(changed(robot, {"tof.no_target_m": no_target_m}), in_simulation=True)
+    assert dotted(fault.against) == f"robot.tof.{limit}"
+
+
+def test_a_fault_of_a_further_sensor_has_its_place_in_the_robot(robot):
+    rear = UltrasonicSettings(min_range_m=1.0, max_range_m=0.5)
+    made = robot.model_copy(update={"sensors": RobotSensors((("rear", rear),))})
+    (fault,) = robot_faults(made, in_simulation=True)
+    assert dotted(fault.path) == "robot.sensors.rear.min_range_m"
+    assert dotted(fault.against) == "robot.sensors.rear.max_range_m"
+
+
 @pytest.mark.parametrize(("battery_V", "limit_V"), [(6.0, 9.0), (9.0, 6.0)])
 def test_a_motor_must_overcome_its_friction_at_the_lower_of_both_voltages(robot, battery_V, limit_V):
     """0.5 N m/A * 6 V / 3 ohm are 1 N m."""
@@ -98,6 +119,49 @@ def test_an_effect_that_a_bench_measures_but_the_simulation_cannot_is_refused_fo
     assert paths(robot_faults(early, in_simulation=True)) == ["robot.effects.pose_clock_drift.rate"]
     assert paths(robot_faults(early, in_simulation=False)) == []
     check_robot(early, load_section("robot", "nominal").tree)
+    with pytest.raises(InputError, match=r"robot\.effects\.pose_clock_drift\.rate"):
+        load_scenario("symolo", ["robot.effects.pose_clock_drift.rate=-0.001"])
+
+
+def test_either_a_board_or_a_controller_drives():
+    board, controller = "board.kind=simulated", "controller.program={}"
+    for alone in (board, controller):
+        load_scenario("symolo", [alone])
+    with pytest.raises(InputError, match="controller; allowed: none, since the board drives"):
+        load_scenario("symolo", [board, controller])
+
+
+STRONG = {
+    "chassis.mass_kg": 1.2,
+    "chassis.length_m": 0.2,
+    "chassis.base_height_m": 0.06,
+    "chassis.clearance_m": 0.01,
+    "motor.winding_resistance_ohm": 3.0,
+    "motor.viscous_friction_N_m_s_rad": 0.02,
+}
+"""Of a body that pitches with 1.2 / 12 * (0.2^2 + 0.05^2) = 4.25e-3 kg m2."""
+
+
+@pytest.mark.parametrize(("share", "has_fault"), [(1.0 + LITTLE, True), (1.0 - LITTLE, False)])
+def test_motors_may_stop_the_pitching_body_in_a_step_and_not_faster(robot, share, has_fault):
+    """Both together damp it with 2 (K^2 / R + B), which is 4.25 N m s/rad here."""
+    constant = math.sqrt(3.0 * (0.5 * 4.25 * share - 0.02))
+    made = changed(robot, STRONG | {"motor.torque_constant_N_m_A": constant})
+    assert bool(list(_strength_faults(Rates(physics_hz=1000), made))) is has_fault
+
+
+@pytest.mark.parametrize(
+    ("physics_hz", "times", "needed_hz"),
+    [(1000, 1.5, 2000), (1000, 2.5, 3000), (20000, 4.5, 100000), (20000, 5.5, 0)],
+)
+def test_motors_that_are_too_strong_get_the_next_multiple_of_the_steps_that_is_allowed(
+    robot, physics_hz, times, needed_hz
+):
+    """They need `times` as many steps. A simulation has at most 100 kHz."""
+    constant = math.sqrt(3.0 * (0.5 * 4.25e-3 * physics_hz * times - 0.02))
+    made = changed(robot, STRONG | {"motor.torque_constant_N_m_A": constant})
+    (fault,) = _strength_faults(Rates(physics_hz=physics_hz), made)
+    assert fault.cure.partition(", or ")[2] == (f"set rates.physics_hz to {needed_hz}" if needed_hz else "")
 
 
 def test_a_fault_of_an_effect_names_the_other_field_if_there_is_one(robot):
@@ -188,6 +252,12 @@ def test_all_of_an_arena_lies_up_to_the_edge_of_the_floor(turned):
         "arena.walls.1.end",
         "arena.obstacles.0.center",
     ]
+
+
+@pytest.mark.parametrize(("x_m", "is_asked"), [(4.1, False), (11.9, False), (12.1, True), (40.0, True)])
+def test_of_a_point_at_three_times_the_half_floor_the_unit_is_asked_for(x_m, is_asked):
+    (fault,) = arena_faults(arena(obstacles=[{"name": "A", "center": (x_m, 0.0)}]))
+    assert ("in metres?" in fault.cure) is is_asked
 
 
 @pytest.mark.parametrize(

@@ -200,13 +200,14 @@ class TestRangeSensorsInTheSimulation:
         """Turned right by 20 degrees the axes lie 20 to the right, 25 to the left and 65 to the right of the normal.
 
         An axis that is raised by p is (cos p cos a, cos p sin a, sin p), with its top (-sin p cos a, ., cos p) and its
-        left (-sin a, cos a, 0); the normal is (-1, 0, 0).
+        left (-sin a, cos a, 0); the normal is (-1, 0, 0), or (0, -1, 0) in W for a wall across the y axis.
         """
         view = seen(plane_world(wall_x_m=0.3, at=(0.0, 0.0, math.radians(90.0 * axis - 20.0)), axis=axis), raised_deg)
         aside, raised = np.radians([-20.0, 25.0, -65.0]), math.radians(raised_deg)
         assert view.incidence_rad == pytest.approx(np.arccos(math.cos(raised) * np.cos(aside)), abs=1e-9)
         assert view.tilt_forward_rad == pytest.approx(np.full(3, raised), abs=1e-9)
         assert view.tilt_sideways_rad == pytest.approx(np.arctan(np.tan(aside) / math.cos(raised)), abs=1e-9)
+        assert np.cos(view.normal_rad + math.radians(180.0 - 90.0 * axis)) == pytest.approx(np.ones(3))
         assert view.material_share["wood"] == pytest.approx(np.ones(3))
         assert view.reflectance == pytest.approx(np.full(3, 0.45))
 

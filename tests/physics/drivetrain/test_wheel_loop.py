@@ -113,6 +113,14 @@ def test_at_the_limit_the_integral_changes_only_away_from_it(by_hand, sign):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
+def test_just_beyond_the_limit_the_integral_does_not_grow_by_a_small_error_either(by_hand, sign):
+    """0.5 * 12 + 0.25 + 0.1 * 0.5 are 0.3 V beyond the limit, and the wheel is too slow by 0.5."""
+    by_hand.restart(0)
+    assert by_hand.update(sign * 23, sign * 12.0) == sign * 6.0
+    assert by_hand._integral_V == 0.0
+
+
+@pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(
     ("set_point", "counts", "error"),
     [(12.0, 25, -0.5), (24.0, 53, -2.5), (20.0, 40, 0.0)],

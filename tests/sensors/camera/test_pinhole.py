@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
+from configs.schema.robot import FisheyeLens
 from symolo.core.geometry.pinhole import (
+    Intrinsics,
     Shutter,
     floor_points,
     horizontal_field_of_view_rad,
@@ -196,3 +199,15 @@ def test_a_point_at_the_height_of_the_pinhole_has_no_pixel(robot):
     pixel, depth = project(intrinsics(robot.camera, 160, 120), np.eye(4), np.array([[0.1, 0.1, 0.0]]))
     assert np.isnan(pixel).all()
     assert depth[0] == 0.0
+
+
+def test_intrinsics_name_a_fisheye_lens_only_where_there_is_one(robot):
+    """As in files of versions without fisheye lenses; its field of view spans the width of the image."""
+    text = TypeAdapter(Intrinsics)
+    pinhole = intrinsics(robot.camera, 160, 120)
+    wide = intrinsics(robot.camera.model_copy(update={"fisheye": FisheyeLens(field_of_view_deg=180.0)}), 160, 120)
+    assert "fisheye" not in text.dump_python(pinhole, mode="json")
+    for camera in (pinhole, wide):
+        assert text.validate_json(text.dump_json(camera)) == camera
+    # An equidistant lens shows half of 180 degrees on half of 160 pixels.
+    assert wide.fx_px * np.pi / 2 == pytest.approx(80.0)

@@ -4,6 +4,7 @@ from math import erf, exp, sqrt
 import cv2
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 from configs.schema.appearance.look import CameraLook
 from sensors.camera.colour import light_rgb
@@ -11,10 +12,12 @@ from sensors.camera.response import (
     CameraResponse,
     corner_share,
     develop,
+    develop_part,
     encode_jpeg,
     inverse_tone,
     median_luminance,
     tone,
+    white_level,
 )
 
 PLAIN = CameraLook(
@@ -74,6 +77,16 @@ def test_shading_raises_the_light_by_its_stops_from_border_to_border():
     assert linear[240, 640] / linear[240, 0] == pytest.approx(2.0, rel=0.02)
     assert linear[480, 320] / linear[0, 320] == pytest.approx(2**-0.5, rel=0.02)
     assert linear[240, 320] == pytest.approx(0.18, rel=0.02)
+
+
+@pytest.mark.parametrize(("right_ev", "down_ev"), [(2.0, 0.0), (0.0, 2.0)])
+def test_shading_along_one_side_alone_is_even_between_the_middles_of_the_pixels(right_ev, down_ev):
+    """Two stops over four pixels are half a stop each, and the middle is a quarter of a stop from its neighbours."""
+    look = PLAIN.model_copy(update={"shading_right_ev": right_ev, "shading_down_ev": down_ev, "exposure_adaption": 0.0})
+    linear = decoded(develop(np.full((4, 4, 3), 0.1, np.float32), _response(look), 0.1, 1)[..., 1])
+    shaded = 0.18 * 2.0 ** np.array([-0.75, -0.25, 0.25, 0.75])
+    expected = np.tile(shaded, (4, 1))
+    assert linear == pytest.approx(expected if right_ev else expected.T, rel=0.02)
 
 
 def test_noise_belongs_to_the_frame_and_grows_with_the_root_of_the_light():
@@ -342,3 +355,31 @@ def test_blur_and_sharpening_are_the_same_along_rows_and_columns():
         response = _response(PLAIN.model_copy(update=changes))
         turned = develop(np.ascontiguousarray(light.transpose(1, 0, 2)), response, 0.2, 1)
         assert np.abs(turned.transpose(1, 0, 2).astype(int) - develop(light, response, 0.2, 1)).max() <= 1
+
+
+def test_noise_makes_no_pixel_of_the_sensor_darker_than_black():
+    """Without its negative half, noise has a mean of sd / sqrt(2 pi), in each channel before they are mixed."""
+    look = PLAIN.model_copy(update={"read_noise": 0.05, "saturation": 0.0})
+    coded = develop_part(np.zeros((240, 320, 3), np.float32), _response(look), 1.0, 1)[..., 1]
+    assert inverse_tone(coded.astype(np.float64) / 255, 1.0).mean() == pytest.approx(0.05 / sqrt(2 * np.pi), rel=0.05)
+
+
+def test_light_of_the_white_level_has_the_tone_of_white():
+    level = white_level(3.0, _response())
+    assert develop_part(np.full((3, 3, 3), level, np.float32), _response(), 3.0, None) == pytest.approx(
+        255 * tone(np.ones(1), 1.0)[0]
+    )
+
+
+def test_steps_without_effect_are_left_out_of_the_text_and_read_back_as_they_were():
+    """As in the files of versions that had no such steps."""
+    text = TypeAdapter(CameraResponse)
+    steps = {"defocus_px", "pixel_px", "colour_filter", "noise_reduction", "colour_blur_px"}
+    steps |= {"shading_right_ev", "shading_down_ev"}
+    assert not steps & text.dump_python(_response(), mode="json").keys()
+    assert text.validate_json(text.dump_json(_response())) == _response()
+    with_all = replace(
+        _response(), defocus_px=1.5, pixel_px=1.2, colour_filter="bayer", noise_reduction=0.3, colour_blur_px=2.0,
+        shading_right_ev=0.1, shading_down_ev=-0.1,
+    )  # fmt: skip
+    assert text.validate_json(text.dump_json(with_all)) == with_all

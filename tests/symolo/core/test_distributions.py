@@ -130,6 +130,7 @@ def test_a_draw_is_the_quantile_of_its_uniform_number(distribution: Distribution
 def test_whole_numbers_share_the_uniform_numbers_equally_or_are_rounded():
     drawn = [Uniform(3, 5).draw_integer(Fixed(u)) for u in (0.0, 0.33, 0.34, 0.66, 0.67, ALMOST_1)]  # type: ignore[arg-type]
     assert drawn == [3, 3, 4, 4, 5, 5]
+    assert [Uniform(-2, 7).draw_integer(Fixed(u)) for u in (0.0, 0.55, ALMOST_1)] == [-2, 3, 7]  # type: ignore[arg-type]
     assert LogUniform(1, 100).draw_integer(Fixed(0.51)) == round(100**0.51)  # type: ignore[arg-type]
     assert Normal(5.2, 1.0).draw_integer(Fixed(0.5)) == 5  # type: ignore[arg-type]
 
@@ -167,8 +168,9 @@ def test_a_distribution_is_read_as_written(written: dict, distribution: Distribu
         ({"log_uniform": [0, 1]}, "ends > 0"),
         ({"log_uniform": [-1, 1]}, "ends > 0"),
         ({"normal": [0, -1]}, "sd >= 0"),
-        ({"normal": [1e308, 5e307]}, "4 sd to both sides, is finite"),
-        ({"normal": [-1e308, 5e307]}, "4 sd to both sides, is finite"),
+        ({"normal": [1e308, 4e307]}, "4 sd to both sides, is finite"),
+        ({"normal": [-1e308, 4e307]}, "4 sd to both sides, is finite"),
+        ({"normal": [0, 5e307]}, "4 sd to both sides, is finite"),
         ({"normal": {"mean": 0, "sd": 1, "low": 3.2}}, "at least a thousandth"),
         ({"normal": {"mean": 0, "sd": 1, "low": 2, "high": 1}}, "low below high"),
         ({"normal": {"sd": 1, "low": 2}}, "mean and sd"),

@@ -230,6 +230,14 @@ def test_time_and_pose_are_enough_and_what_was_not_measured_is_not_invented(tmp_
     assert [column.name for column in rows.definitions] == list(rows.columns)
 
 
+@pytest.mark.parametrize("columns", [("t", "x", "y", "theta", "v"), ("t", "x", "y", "theta", "d_l")])
+def test_a_table_has_the_columns_of_its_rows_and_no_others(columns):
+    numbers = np.array([[0.0, 1.5, 0.5, 0.25, 0.4], [50.0, 1.6, 0.5, 0.25, 0.3]])
+    rows = Rows.from_table(numbers, columns)
+    np.testing.assert_array_equal(rows.table(), numbers)
+    np.testing.assert_array_equal(rows.at(1), numbers[1])
+
+
 def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):
     path = tmp_path / "data.csv"
     path.write_text(table(row(), row(t=50, img=2)))

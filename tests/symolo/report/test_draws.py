@@ -85,6 +85,8 @@ def test_many_values_are_a_histogram_whose_bars_are_as_high_as_their_counts():
         (LogUniform(1, 2), "log-uniform 1 to 2"),
         (Normal(0, 0.2, -0.5, 0.5), "normal 0, sd 0.2, cut at -0.5 and 0.5"),
         (Normal(5, 1), "normal 5, sd 1"),
+        (Normal(5, 1, low=3), "normal 5, sd 1, cut at 3 and 9"),
+        (Normal(5, 1, high=6), "normal 5, sd 1, cut at 1 and 6"),
         (Choice(("a", 2, True)), "choice of a, 2, True"),
         (Choice(tuple(range(10))), "choice of 0, 1, 2, 3, 4, 5, 6, 7 and 2 more"),
         (None, ""),

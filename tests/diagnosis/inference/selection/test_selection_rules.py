@@ -112,6 +112,12 @@ class TestRefusal:
         falls = np.where(np.arange(100) < samples, 10.0, 0.0)
         assert judged(falls) == ("" if is_named else "the fall of 20.0 comes from 2.0 samples")
 
+    def test_one_row_that_is_enough_beside_a_far_larger_one_is_not_there_by_more_than_chance(self, judged):
+        """Falls of 40 and 16 count as 56^2 / (40^2 + 16^2) = 1.7 samples, and an effect with one parameter needs 3."""
+        falls = np.zeros(100)
+        falls[:2] = 40.0, 16.0
+        assert judged(falls) == "the fall of 56.0 comes from 1.7 samples"
+
     @pytest.mark.parametrize(("falls", "is_named"), [((4.0, 4.0), True), ((4.0, 3.75), False)])
     def test_a_fall_of_8_in_held_out_rows_confirms_few_samples(self, judged, falls, is_named):
         reason = judged(np.where(np.arange(100) < 2, 10.0, 0.0), falls)
@@ -191,6 +197,8 @@ class TestBounds:
             (0.874, 1.25, 0.0, False, False),
             (-0.875, 1.25, 0.0, False, True),
             (-0.874, 1.25, 0.0, False, False),
+            (0.9, 1.25, 0.0, False, True),
+            (-0.9, 1.25, 0.0, False, True),
             # Those that the data do not determine, at the bound alone.
             (0.999, np.inf, 0.0, False, False),
             (1.0, np.inf, 0.0, False, True),
@@ -205,6 +213,9 @@ class TestBounds:
             (1.0, 1.25, None, False, True),
             (-0.999, 1.25, None, False, False),
             (-1.0, 1.25, None, False, True),
+            # A step of a fit may end a rounding error beyond it.
+            (1.0 + 1e-15, 1.25, None, False, True),
+            (-1.0 - 1e-15, 1.25, None, False, True),
             # A limit may be anywhere.
             (1.0, 1.0, 1.0, True, False),
             (-1.0, 1.0, 1.0, True, False),
@@ -286,9 +297,11 @@ class TestSteps:
         assert select(evidence, fits_by_size[0].hypothesis, ()).fit is worse
         assert grown[0] == 4
 
-    def test_a_better_pair_replaces_the_effects_and_a_third_one_is_tried_beside_it(self, monkeypatch):
+    @pytest.mark.parametrize("effects", [(A,), (A, NOISE)])
+    def test_a_better_pair_replaces_the_effects_and_a_third_one_is_tried_beside_it(self, monkeypatch, effects):
         few: Any = Fake(memo={}, fit=np.ones(stepwise.BEAM_SAMPLES, dtype=bool))
-        base, single, pair, three = fake_fit(100.0), fake_fit(80.0, A), fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
+        base, single = fake_fit(100.0), fake_fit(80.0, *effects)
+        pair, three = fake_fit(40.0, B, C), fake_fit(20.0, B, C, D)
         alone = {B: fake_fit(75.0, C), C: fake_fit(90.0, B)}
         next_of = {base: (single, ["A enters"]), single: (None, ["B is refused"]), pair: (three, ["D enters"])}
         monkeypatch.setattr(stepwise, "without_effects", lambda *_: base)
@@ -455,6 +468,28 @@ class TestSteps:
         swapped = stepwise._swapped(evidence, fake_fit(100.0, A, B, NOISE), ())
         assert compared == [A, B]
         assert swapped.hypothesis.effects == ((A, B, NOISE) if result is A else (B, NOISE, result))
+
+    def test_pairs_begin_with_effects_that_differ_and_are_fitted_together_if_they_explain_more_than_one(
+        self, evidence, monkeypatch
+    ):
+        """Singles whose costs are equal to a tenth are one. The best single one explains 20, and a pair 4 more."""
+        singles = [fake_fit(80.0, A), fake_fit(80.04, B), fake_fit(80.2, C), fake_fit(81.0, D)]
+        pairs = [Fake(drop=drop, hypothesis=FakeHypothesis(*two), start=drop) for drop, *two in (
+            (24.5, A, D), (23.5, B, D), (30.0, B, C),
+        )]  # fmt: skip
+        known, extended, together = fake_fit(50.0, C, B), [], []
+        monkeypatch.setattr(stepwise, "scanned", lambda *_: [Fake(drop=20.0), Fake(drop=4.0)])
+        monkeypatch.setattr(stepwise, "fitted", lambda *_: singles)
+        monkeypatch.setattr(stepwise, "_extended_all", lambda _, several, __: extended.extend(several) or [known])
+        monkeypatch.setattr(stepwise, "scan_pairs", lambda *_: pairs)
+        monkeypatch.setattr(stepwise, "fits", lambda _, starts, __: together.extend(starts) or [])
+        assert stepwise._pairs(evidence, fake_fit(100.0), (A, B, C, D)) == [known]
+        assert {single.cost for single in extended} == {80.0, 80.2, 81.0}
+        assert [start for _, start in together] == [24.5]
+
+    def test_an_effect_that_may_no_longer_enter_does_not_change_the_order_of_equal_fits(self):
+        fits = [fake_fit(20.0, C, B), fake_fit(20.0, C, A)]
+        assert stepwise.ranked(fits, (A, B)) == [fits[1], fits[0]]
 
     def test_of_equal_fits_the_one_by_an_effect_on_everything_comes_before_one_on_a_single_sensor(self):
         left = fake_effect("LEFT", choices=(("sensor", "left"),))

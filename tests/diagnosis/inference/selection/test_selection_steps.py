@@ -303,7 +303,7 @@ def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect
     assert select(evidence_of(X, X), hypothesis, [effect("current_sensor_gain")]).fit is three
 
 
-@pytest.mark.parametrize(("tolerances", "numbers"), [(2.9, [0.5, 0.5]), (4.0, [0.5, 0.5, 1.0, 0.5])])
+@pytest.mark.parametrize(("tolerances", "numbers"), [(2.9, [0.5, 0.5]), (3.0, [0.5, 0.5, 1.0, 0.5])])
 def test_where_nuisances_imitate_an_effect_a_fit_also_starts_without_them_and_with_twice_the_delay(
     hypothesis, effect, tolerances, numbers
 ):
