@@ -171,7 +171,11 @@ def shown_structures(unexplained: Structure | None, nominal: Adequacy, observed:
     """
     for name in observed:
         of_quantity = nominal.of(name)
-        if unexplained is not None and unexplained.observed == name and not unexplained.what.startswith((SCATTER, UNEVEN)):
+        if (
+            unexplained is not None
+            and unexplained.observed == name
+            and not unexplained.what.startswith((SCATTER, UNEVEN))
+        ):
             yield unexplained
         elif of_quantity.structures:
             yield of_quantity.worst

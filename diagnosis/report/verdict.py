@@ -274,7 +274,8 @@ def unexplained_sentence(structure: Structure) -> str:
         )
     if structure.what.startswith(UNEVEN):
         return (
-            f"The residuals of {structure.observed} have {structure.what}; the probability of this by chance is {chance}."
+            f"The residuals of {structure.observed} have {structure.what}; the probability of this by chance is "
+            f"{chance}."
         )
     words, _ = quantity_words(structure.covariate)
     shape, _, sign = structure.what.partition(", ")

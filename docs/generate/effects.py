@@ -56,7 +56,8 @@ def _arguments() -> Iterator[str]:
         yield f"### {argument.__name__}"
         yield f"`from {argument.__module__} import {argument.__name__}`"
         words = dict(_documented(argument))
-        yield table(("field", "meaning"), [(f"`{field.name}`", text(words.get(field.name, ""))) for field in fields(argument)])
+        rows = [(f"`{field.name}`", text(words.get(field.name, ""))) for field in fields(argument)]
+        yield table(("field", "meaning"), rows)
 
 
 def _documented(members: type) -> Iterator[tuple[str, str]]:

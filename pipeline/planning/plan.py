@@ -169,6 +169,7 @@ class ScenarioPlan:
             f"quality    {' or '.join(qualities)}",
             f"light      {' or '.join(lights)}",
         ]
+        data_mb = self.dataset_bytes / 1e6
         lines += [
             "",
             f"runs       {len(self.runs)}",
@@ -177,7 +178,7 @@ class ScenarioPlan:
             *([f"robots     {self.robots}"] if self.robots else []),
             *(f"beyond     {line}" for line in self.demands),
             *(f"WARNING    {line}" for line in self.warnings),
-            f"disk       about {self.bytes_needed / 1e6:.0f} MB: {self.dataset_bytes / 1e6:.0f} MB of data, the rest in .stages",
+            f"disk       about {self.bytes_needed / 1e6:.0f} MB: {data_mb:.0f} MB of data, the rest in .stages",
             f"simulate   about {seconds(self.simulation_s)}",
             *([f"render     about {seconds(self.render_s)}"] if self.images else []),
         ]

@@ -28,10 +28,10 @@ SCATTER = "scatter of"
 
 
 def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Adequacy:
-    """Return the structures of a fit, and a scatter for each quantity without significant structure that has too much.
+    """Return the structures of a fit with the scatters: of each quantity that scatters too much, or not evenly.
 
-    So is a scatter that differs between categories. A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise
-    was estimated from the residuals.
+    Quantities with significant structure have none, since that makes them scatter. A scatter without shape is reported
+    along the best covariate; it is not tested where the noise is not stated and was estimated from the residuals.
     """
     tested = [
         (quantity, place)

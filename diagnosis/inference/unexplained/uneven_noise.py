@@ -23,7 +23,7 @@ UNEVEN = "noise that is"
 
 
 def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
-    """Yield the differences of the noise between the categories of each covariate, for quantities that are no series."""
+    """Yield how the noise differs between the categories of each covariate, for quantities that are no series."""
     covariates = [
         (number, rank, covariate)
         for number, quantity in enumerate(evidence.observed)
