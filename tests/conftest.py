@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 from collections.abc import Callable, Generator
+from dataclasses import FrozenInstanceError, fields
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -214,3 +215,20 @@ def motor_bench_case() -> Callable[..., Path]:
         return folder
 
     return write
+
+
+@pytest.fixture(scope="session")
+def changeable() -> Callable[[type], list[str]]:
+    """Names of the fields of a dataclass to which a value can be assigned: none of a value that modules share."""
+
+    def changeable(kind: type) -> list[str]:
+        names, value = [], object.__new__(kind)
+        for field in fields(kind):
+            try:
+                setattr(value, field.name, None)
+            except FrozenInstanceError:
+                continue
+            names.append(field.name)
+        return names
+
+    return changeable

@@ -4,7 +4,7 @@ import pytest
 
 from physics.control.base import Observation
 from physics.control.bends import CurvePass
-from physics.control.conditions import CONDITIONS, ControlView
+from physics.control.conditions import CONDITIONS, Condition, ControlView
 from symolo.dataset.codes import State
 
 STEP_M = 1e-6
@@ -69,3 +69,8 @@ def test_a_curve_path_is_taken_on_its_own_side(holds):
 @pytest.mark.parametrize("condition", ["line_met_on_the_way_back", "avoided"])
 def test_without_a_path_none_is_driven_back_or_to_its_end(holds, condition):
     assert not holds(condition, "LINE", line_error=0.0)
+
+
+def test_a_condition_and_what_it_sees_cannot_be_changed(changeable):
+    for kind in (ControlView, Condition):
+        assert changeable(kind) == []

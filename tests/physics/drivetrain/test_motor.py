@@ -110,3 +110,8 @@ def test_a_change_of_each_motor_keeps_right_and_left_apart():
     weak = MotorModel(5.0, 0.1, 0.0, 0.0, 1e-3)
     doubled = Motors(MOTOR, weak).each(lambda motor: MotorModel(2 * motor.resistance_ohm, 0.1, 0.0, 0.0, 1e-3))
     assert (doubled.right.resistance_ohm, doubled.left.resistance_ohm) == (5.7, 10.0)
+
+
+def test_motors_cannot_be_changed(changeable):
+    for kind in (MotorModel, Motors):
+        assert changeable(kind) == []

@@ -211,3 +211,8 @@ def test_intrinsics_name_a_fisheye_lens_only_where_there_is_one(robot):
         assert text.validate_json(text.dump_json(camera)) == camera
     # An equidistant lens shows half of 180 degrees on half of 160 pixels.
     assert wide.fx_px * np.pi / 2 == pytest.approx(80.0)
+
+
+def test_intrinsics_and_a_shutter_cannot_be_changed(changeable):
+    for kind in (Intrinsics, Shutter):
+        assert changeable(kind) == []

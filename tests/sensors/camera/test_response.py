@@ -383,3 +383,7 @@ def test_steps_without_effect_are_left_out_of_the_text_and_read_back_as_they_wer
         shading_right_ev=0.1, shading_down_ev=-0.1,
     )  # fmt: skip
     assert text.validate_json(text.dump_json(with_all)) == with_all
+
+
+def test_a_response_cannot_be_changed(changeable):
+    assert changeable(CameraResponse) == []

@@ -10,7 +10,7 @@ from configs.effects.robot_effects import RobotEffects
 from sensors.base import Sampling
 from sensors.effects.range_sensor.range_offset import RangeOffset
 from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting
-from sensors.ranging.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from sensors.ranging.tof import Light, TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.dataset.codes import TofStatus
 
 FRONT = 0
@@ -290,3 +290,7 @@ def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
     assert np.degrees(np.diff(roll)) == pytest.approx(137.508, abs=1e-3)
     # Even over the disc: half of the rays lie within 1 / sqrt(2) of the radius.
     assert np.count_nonzero(off_axis < 12.5 / math.sqrt(2)) == 45
+
+
+def test_light_that_has_returned_cannot_be_changed(changeable):
+    assert changeable(Light) == []

@@ -186,3 +186,8 @@ def test_a_distribution_is_read_as_written(written: dict, distribution: Distribu
 def test_a_distribution_that_makes_no_sense_is_refused(written: dict, allowed: str):
     with pytest.raises(InputError, match=allowed):
         parse(node_of(written, "test"), ("a",))
+
+
+def test_a_distribution_cannot_be_changed(changeable):
+    for kind in (Uniform, Normal, LogUniform, Choice):
+        assert changeable(kind) == []

@@ -18,6 +18,7 @@ from symolo.dataset.manifest import manifest, read_manifest
 from symolo.dataset.tables.rows import (
     HEADER,
     STATES,
+    Fault,
     Rows,
     csv_bytes,
     heading,
@@ -296,3 +297,8 @@ def test_each_column_of_the_tables_beside_data_has_a_meaning_and_a_unit():
         assert all(column.meaning and column.unit for column in table.columns), table.file
         assert len({column.meaning for column in table.columns}) == len(table.columns), table.file
     assert [*BOARD_COLUMNS][2:] == [*BOARD_EVENT_COLUMNS.values()]
+
+
+def test_rows_and_their_faults_cannot_be_changed(changeable):
+    for kind in (Rows, Fault):
+        assert changeable(kind) == []

@@ -20,6 +20,8 @@ from diagnosis.inference.selection.refusal import (
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.scan import Prospect
 from diagnosis.inference.selection.stepwise import (
+    Entry,
+    Selection,
     _best_pair,
     _is_better,
     _other_pairs,
@@ -312,3 +314,8 @@ def test_where_nuisances_imitate_an_effect_a_fit_also_starts_without_them_and_wi
     starts = _starts(cast("Any", SimpleNamespace(hypothesis=hypothesis, x=x)), prospects)
     assert [start[-1] for _, start in starts] == numbers
     assert all(not start[:-1].any() for _, start in starts[2:])
+
+
+def test_a_selection_and_its_steps_cannot_be_changed(changeable):
+    for kind in (Entry, Selection):
+        assert changeable(kind) == []
