@@ -37,15 +37,24 @@ def _fit(residual, level) -> Any:
     [
         # (residual, level of the noise) without and with the effect.
         ((3.0, 2.0), (1.0, 1.0), False, _cost(3.0, 2.0) - 1.0),
-        # A smaller residual costs more only by the smaller noise with the effect; by the same it costs 0.59 less.
-        ((3.0, 2.0), (2.9, 1.0), False, 0.0),
-        ((3.0, 2.0), (2.9, 1.0), True, _cost(3.0, 2.0) - 2.9**2),
+        # A smaller residual costs more only by the smaller noise with the effect; by the same it costs 0.3 less.
+        ((3.0, 2.0), (2.95, 1.0), False, 0.0),
+        ((3.0, 2.0), (2.95, 1.0), True, _cost(3.0, 2.0) - 2.95**2),
+        # A residual that is a little larger speaks against the effect by what it costs more by the same noise.
+        ((3.0, 2.0), (3.05, 1.0), False, 9.0 - 3.05**2),
         # With the smaller noise of both it speaks against the effect even more.
         ((1.0, 2.0), (3.0, 1.0), False, _cost(1.0, 2.0) - 9.0),
         # With the larger noise it speaks against the effect a little less.
         ((1.0, 1.0), (6.0, 2.0), False, _cost(1.0, 2.0) - _cost(6.0, 2.0)),
     ],
-    ids=["better", "better by the same noise", "noise", "worse by less noise", "worse by more noise"],
+    ids=[
+        "better",
+        "better by the same noise",
+        "noise",
+        "a little worse by the same noise",
+        "worse by less noise",
+        "worse by more noise",
+    ],
 )
 def test_held_out_rows_speak_against_an_effect_of_the_mean_only_by_the_same_noise_too(
     monkeypatch, before, after, of_noise, fall
