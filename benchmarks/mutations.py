@@ -76,6 +76,7 @@ TESTS = {
     "configs/checks/scenario.py": CHECKS,
     "configs/draw.py": (
         "tests/configs/test_draw.py",
+        "tests/configs/test_posterior.py",
         f"{ARENAS}::test_the_line_passes_the_start_that_is_given_and_otherwise_the_origin_along_x",
         f"{ARENAS}::test_the_specification_holds_the_arena_and_no_recipe",
         f"{ARENAS}::test_the_line_lies_where_the_route_starts_whatever_the_scenario",

@@ -170,6 +170,9 @@ CASES = {
     "range for whole steps": robot(
         "tof: {period_s: {uniform: [0.03, 0.04]}} #!", "robot.tof.period_s", "a whole number of physics steps"
     ),
+    "range for whole steps of a further sensor": robot(
+        "sensors: {imu: {delay_s: {uniform: [0.0, 0.01]}}} #!", "robot.sensors.imu.delay_s", "number of physics steps"
+    ),
     # Fields that do not go together
     "rates not in whole numbers": added(
         "rates:\n  physics_hz: 1000\n  wheel_loop_hz: 300 #!",

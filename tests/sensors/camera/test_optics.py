@@ -80,3 +80,16 @@ def test_the_settings_reach_the_image():
         look = PLAIN.model_copy(update=changes)
         soft = develop(light, CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, 92, 64), 0.2, 1).astype(float)
         assert soft.std() < 0.5 * plain.std()
+
+
+@pytest.mark.parametrize("colour_filter", ["none", "bayer"])
+def test_black_beside_a_lamp_out_of_focus_has_no_shot_noise(colour_filter):
+    """OpenCV computes so wide a blur by a Fourier transform, which leaves values just below 0."""
+    light = np.zeros((64, 64, 3), np.float32)
+    light[:8, :8] = 1000.0
+    assert defocused(light, 12.0).min() < 0.0
+    look = PLAIN.model_copy(
+        update={"shot_noise": 0.1, "defocus_share": 12 / 64, "exposure_adaption": 0.0, "colour_filter": colour_filter}
+    )
+    response = CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, jpeg_quality=92, width_px=64)
+    assert develop(light, response, 1.0, 1)[20:, 20:].max() == 0

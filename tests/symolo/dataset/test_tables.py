@@ -237,6 +237,7 @@ def test_a_table_has_the_columns_of_its_rows_and_no_others(columns):
     rows = Rows.from_table(numbers, columns)
     np.testing.assert_array_equal(rows.table(), numbers)
     np.testing.assert_array_equal(rows.at(1), numbers[1])
+    assert (rows.state.tolist(), rows.image.tolist()) == ([-1, -1], [0, 0])
 
 
 def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):
