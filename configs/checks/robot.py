@@ -75,10 +75,15 @@ def _stall_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     if stall_N_m <= motor.coulomb_friction_N_m:
         path: FieldPath = ("robot", "motor")
         problem = "the motor cannot overcome its friction"
-        allowed = f"less than {stall_N_m:.3g}, its torque at {voltage} V and {motor.winding_resistance_ohm} ohm"
+        allowed = (
+            f"less than {stall_N_m:.3g}, its torque at {voltage} V and {motor.winding_resistance_ohm} ohm with"
+            f" {motor.torque_constant_N_m_A} N m/A"
+        )
         against = (*path, "winding_resistance_ohm")
+        voltages = (("robot", "power", "battery_voltage_V"), ("robot", "power", "motor_voltage_limit_V"))
+        also = ((*path, "torque_constant_N_m_A"), *voltages)
         yield ConfigFault(
-            (*path, "coulomb_friction_N_m"), problem, motor.coulomb_friction_N_m, allowed, against=against
+            (*path, "coulomb_friction_N_m"), problem, motor.coulomb_friction_N_m, allowed, against=against, also=also
         )
 
 
@@ -90,11 +95,19 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     if drive.track_m > max_track_m + 1e-9:
         allowed = f"at most {max_track_m:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
         yield ConfigFault(
-            (*drive_path, "track_m"), got=drive.track_m, allowed=allowed, against=(*chassis_path, "width_m")
+            (*drive_path, "track_m"),
+            got=drive.track_m,
+            allowed=allowed,
+            against=(*chassis_path, "width_m"),
+            also=((*drive_path, "wheel_width_m"),),
         )
     if not chassis.clearance_m < drive.wheel_diameter_m <= chassis.length_m:
         allowed = f"more than chassis.clearance_m ({chassis.clearance_m}), up to chassis.length_m ({chassis.length_m})"
-        yield ConfigFault((*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
+        nearer = "clearance_m" if drive.wheel_diameter_m <= chassis.clearance_m else "length_m"
+        against = (*chassis_path, nearer)
+        yield ConfigFault(
+            (*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed, against=against
+        )
     yield from _order_faults(chassis, chassis_path, "clearance_m", "base_height_m")
     if abs(drive.caster_x_m) > chassis.length_m / 2:
         allowed = f"at most {chassis.length_m / 2:.6g}, half of chassis.length_m, before or behind the axle"

@@ -7,12 +7,13 @@ from typing import Any
 from configs.checks.arena import arena_faults
 from configs.checks.cameras import camera_faults, image_faults, lens_faults
 from configs.checks.look import look_faults
+from configs.checks.motor_strength import strength_faults
 from configs.checks.robot import robot_faults
 from configs.robot_sensors import SensorSettings
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import MAX_PHYSICS_HZ, Rates, Route, Scenario, SceneSpec
+from configs.schema.scenario import Rates, Route, Scenario, SceneSpec
 from configs.validation.faults import ConfigFault
 from configs.validation.values import FieldDistribution
 from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
@@ -106,7 +107,7 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
     yield from look_faults(scenario.look)
     yield from image_faults(scenario)
     yield from _period_faults(scenario.rates, scenario.robot)
-    yield from _strength_faults(scenario.rates, scenario.robot)
+    yield from strength_faults(scenario.rates, scenario.robot)
     if scenario.board is not None and scenario.controller is not None:
         allowed, cure = "none, since the board drives", "leave out board or controller"
         yield ConfigFault(("controller",), allowed=allowed, against=("board",), cure=cure)
@@ -140,32 +141,6 @@ def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
                 step_s = 1 / rates.physics_hz
                 allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
                 yield ConfigFault(("robot", *place, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
-
-
-def _strength_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
-    """Yield a fault if back-EMF and viscous friction of both motors stop the pitching body within a step.
-
-    The engine computes these torques from the speeds before a step, and body and wheels would overshoot more at each
-    step. Light wheels are no fault: `physics.bullet.body` limits how fast they settle.
-    """
-    motor, chassis, step_s = robot.motor, robot.chassis, 1.0 / rates.physics_hz
-    height_m = chassis.base_height_m - chassis.clearance_m
-    pitch_kg_m2 = chassis.mass_kg / 12.0 * (chassis.length_m**2 + height_m**2)
-    damping = motor.torque_constant_N_m_A**2 / motor.winding_resistance_ohm + motor.viscous_friction_N_m_s_rad
-    settles_s = pitch_kg_m2 / (2.0 * damping)
-    if settles_s > step_s:
-        return
-    path: FieldPath = ("robot", "motor", "torque_constant_N_m_A")
-    problem = "the motors are too strong for a body of this mass and for steps of this length"
-    allowed = (
-        f"values with which the motors need more than a physics step of {1000.0 * step_s:.3g} ms to stop the pitching "
-        f"of the body; they need {1000.0 * settles_s:.3g} ms, its inertia over 2 (K^2 / R + B)"
-    )
-    hz = rates.physics_hz * (math.floor(step_s / settles_s) + 1)
-    cure = "check the motor's parameters, which are those at the wheel shaft"
-    if hz <= MAX_PHYSICS_HZ:
-        cure += f", or set rates.physics_hz to {hz}"
-    yield ConfigFault(path, problem, motor.torque_constant_N_m_A, allowed, against=("rates", "physics_hz"), cure=cure)
 
 
 def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[ConfigFault]:

@@ -1,12 +1,15 @@
 """Faults of a configuration, with the field path and the place where the field was written."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from symolo.core.errors import InputError, shown
+from symolo.core.yaml.reader import displayed
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 SETTING = "--set "
 """Begin of the place of a value that the command line changes."""
+_SHIPPED = Path(__file__).parents[1]
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,10 @@ class ConfigFault:
     against: FieldPath = ()
     """Other field that it contradicts; its place is shown too."""
     cure: str = ""
+    also: tuple[FieldPath, ...] = ()
+    """Further fields that it may contradict; if the user changed one of them, its place is shown."""
+    alternatives: tuple["ConfigFault", ...] = ()
+    """The same contradiction at the other fields on which it depends; only one that the user changed is reported."""
 
     def _places(self, root: Node) -> tuple[str, str]:
         """Return the place of the fault, and a remark about the place of the other field.
@@ -31,10 +38,11 @@ class ConfigFault:
         changed = "" if here.startswith(SETTING) else _changed_below(root, self.path)
         if not self.against:
             return changed or here, ""
-        there = root.place_of(self.against)
-        if not changed and there.startswith(SETTING) and not here.startswith(SETTING):
+        against = max((self.against, *self.also), key=lambda path: _change(root.place_of(path)))
+        there = root.place_of(against)
+        if not changed and _change(there) > _change(here):
             return there, f" ({dotted(self.path)} is at {here})"
-        return changed or here, f" ({dotted(self.against)} is at {there})"
+        return changed or here, f" ({dotted(against)} is at {there})"
 
     def error(self, root: Node, note: str = "") -> InputError:
         """Return the fault as an error of one line.
@@ -43,6 +51,9 @@ class ConfigFault:
             root: Tree with the fault.
             note: Text for the end of the line.
         """
+        if self.alternatives:
+            changed = max((self, *self.alternatives), key=lambda fault: _change(root.place_of(fault.path)))
+            return replace(changed, alternatives=()).error(root, note)
         where, other = self._places(root)
         drawn = [_cure_of_distribution(path, root) for path in (self.path, self.against)]
         return InputError(
@@ -53,6 +64,11 @@ class ConfigFault:
             nearest=self.nearest,
             cure="; ".join(part for part in (*drawn, self.cure, note) if part),
         )
+
+
+def _change(place: str) -> int:
+    """Return 2 for a value from the command line, 1 for one from a file of the user, and 0 for a shipped one."""
+    return 2 if place.startswith(SETTING) else int(not place.startswith(f"{displayed(_SHIPPED)}/"))
 
 
 def _changed_below(root: Node, path: FieldPath) -> str:

@@ -66,6 +66,17 @@ CASES = {
         "winding_resistance_ohm: 3 #!", "winding_resistance_ohm", f"did you mean {RESISTANCE}"
     ),
     "unknown key before the missing one": Bad("robot: nominal", "robt: nominal #!", "robt", "did you mean robot"),
+    "radius of a wheel": robot(
+        "drive: {wheel_radius_m: 0.0325} #!",
+        "robot.drive.wheel_radius_m",
+        "did you mean wheel_diameter_m; write twice the radius",
+    ),
+    "diameter of the caster": robot(
+        "drive: {caster_diameter_m: 0.02} #!", "robot.drive.caster_diameter_m", "mean caster_radius_m; write half"
+    ),
+    "field of view as an abbreviation": robot(
+        "camera: {fov_deg: 70} #!", "robot.camera.fov_deg", "did you mean field_of_view_deg"
+    ),
     "extends in a subsection": robot("motor: {extends: other} #!", "robot.motor.extends", "directly in arena, robot"),
     "key given twice": added("seed: 8 #!", "seed", "given twice, first at bad.yaml:2"),
     "key given twice far down": robot(
@@ -220,6 +231,11 @@ CASES = {
         "robot.motor.torque_constant_N_m_A",
         "more than a physics step of 1 ms to stop the pitching of the body; they need 0.634 ms",
     ),
+    "resistance in another unit, while the file of the robot has the torque constant": robot(
+        "motor:\n    coulomb_friction_N_m: 0.02\n    winding_resistance_ohm: 0.00285 #!",
+        "robot.motor.winding_resistance_ohm",
+        "if it is in kohm, write 2.85",
+    ),
     "corner never clear": robot(
         "controller: {corner: {front_below_m: 1.5}} #!", "robot.controller.corner.front_below_m", "front_clear_m"
     ),
@@ -356,6 +372,15 @@ def test_each_fault_is_one_line_with_place_and_field(case: Bad, here: Path, scen
         ),
         ("robot.tof.max_range_m=5", "robot.tof.no_target_m: got 2.0, allowed: values outside the valid range,"),
         ("robot.camera.distortion.k1=-1", "robot.camera.distortion: the lens folds"),
+        (
+            "robot.motor.torque_constant_N_m_A=0.003",
+            "robot.motor.coulomb_friction_N_m: the motor cannot overcome its friction: got 0.017421774,",
+        ),
+        (
+            "robot.power.motor_voltage_limit_V=0.05",
+            "robot.motor.coulomb_friction_N_m: the motor cannot overcome its friction: got 0.017421774,",
+        ),
+        ("robot.drive.wheel_width_m=0.1", "robot.drive.track_m: got 0.14, allowed: at most 0.07, chassis.width_m"),
         ("rates.wheel_loop_hz=50", "rates.control_hz: got 20, allowed: a whole fraction of wheel_loop_hz"),
     ],
 )
@@ -363,3 +388,32 @@ def test_a_setting_that_contradicts_a_file_is_at_fault_and_not_the_file(setting,
     with pytest.raises(InputError) as error:
         load_scenario("symolo", [setting])
     assert str(error.value).startswith(f"--set {setting.partition('=')[0]}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("setting", "got", "cure"),
+    [
+        ("robot.motor.viscous_friction_N_m_s_rad=2.7", "2.7", "if it is in mN m s/rad, write 0.0027; otherwise check"),
+        ("robot.motor.winding_resistance_ohm=0.00285", "0.00285", "if it is in kohm, write 2.85; otherwise check"),
+        ("robot.motor.torque_constant_N_m_A=31", "31.0", "if it is in mN m/A, write 0.031; otherwise check"),
+        ("robot.motor.torque_constant_N_m_A=4", "4.0", "; check the motor's parameters"),
+    ],
+)
+def test_the_motor_parameter_that_was_set_is_named_when_the_motors_are_too_strong(setting, got, cure):
+    with pytest.raises(InputError) as error:
+        load_scenario("symolo", [setting])
+    message = next(line for line in str(error.value).splitlines() if "too strong" in line)
+    assert message.strip().startswith(f"--set {setting.partition('=')[0]}: the motors are too strong")
+    assert f": got {got}, allowed: values with which" in message
+    assert cure in message
+    assert len(message) < 600
+
+
+@pytest.mark.parametrize("sensor", ["tof", "line_sensor", "encoder"])
+def test_a_rate_in_place_of_the_period_is_the_only_fault(sensor):
+    with pytest.raises(InputError) as error:
+        load_scenario("smoke", [f"robot.{sensor}.rate_hz=25"])
+    message = str(error.value)
+    assert message.startswith(f"--set robot.{sensor}.rate_hz: unknown key; allowed: ")
+    assert message.endswith("; did you mean period_s; write 1 / rate_hz, such as 0.04")
+    assert "missing" not in message

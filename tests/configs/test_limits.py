@@ -110,7 +110,7 @@ def test_a_motor_must_overcome_its_friction_at_the_lower_of_both_voltages(robot,
     weak = changed(robot, power | motor | {"motor.coulomb_friction_N_m": 1.0})
     assert paths(robot_faults(strong, in_simulation=True)) == []
     (fault,) = robot_faults(weak, in_simulation=True)
-    assert fault.allowed == "less than 1, its torque at 6.0 V and 3.0 ohm"
+    assert fault.allowed == "less than 1, its torque at 6.0 V and 3.0 ohm with 0.5 N m/A"
 
 
 def test_an_effect_that_a_bench_measures_but_the_simulation_cannot_is_refused_for_the_simulation(robot):
