@@ -10,7 +10,7 @@ from configs.validation.faults import SETTING, ConfigFault
 from configs.validation.other_units import other_unit
 from configs.validation.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml.tree import FieldPath, Node, dotted
+from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°%]*)\s*")
 _UNITS = {
@@ -24,6 +24,8 @@ NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pi
 """Keys of an arena by which users try to describe a floor that is no plane."""
 IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz"})
 """Keys by which users try to give the rate of the images of data.csv."""
+OTHER_NAMES = (("radius", "diameter", "write twice the radius"), ("diameter", "radius", "write half of the diameter"))
+"""Words in the names of keys, the words of the fields that have the other measure, and what to write there."""
 OWN_SENSOR = "a kind of your own needs its file: symolo --sensor-file FILE ..."
 FLAT_FLOOR = (
     "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
@@ -106,8 +108,8 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     known = list(parent.known_keys(node))
     missing = [name for name in known if node.child(name) is None]
     without_unit = next((name for name in missing if name.startswith(f"{key}_")), "")
-    close = nearest(key, missing) or without_unit or nearest(key, known)
-    cure = ""
+    close, cure = _other_measure(key, node.child(key), known)
+    close = close or nearest(key, missing) or without_unit or nearest(key, known)
     if above[:1] == ("arena",) and key in NOT_FLAT:
         close, cure = "", FLAT_FLOOR
     elif key == "extends":
@@ -116,11 +118,28 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
         close = "rates.camera_hz"
     elif above == ("robot", "effects"):
         cure = "an effect of your own needs its file: robot.effect_files, or symolo --effect-file FILE ..."
+    elif cure:
+        pass
     elif not close and len(missing) == 1 and missing == known:
         close = missing[0]
     elif not close:
         close = dotted(shape.first_places.get(key, ()))
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
+
+
+def _other_measure(key: str, node: Node | None, known: list[str]) -> tuple[str, str]:
+    """Return the field that has the measure of an unknown key in another form, and what to write; else empty texts."""
+    for word, other, cure in OTHER_NAMES:
+        if key.replace(word, other) in known and word in key:
+            return key.replace(word, other), cure
+    full_name = key.replace("fov", "field_of_view")
+    if full_name in known or f"{full_name}_deg" in known:
+        return full_name if full_name in known else f"{full_name}_deg", ""
+    rate_hz = node.value if node else None
+    if key == "rate_hz" and ALTERNATIVES[key] in known:
+        is_rate = isinstance(rate_hz, int | float) and rate_hz > 0
+        return ALTERNATIVES[key], "write 1 / rate_hz" + (f", such as {1.0 / rate_hz:.4g}" if is_rate else "")
+    return "", ""
 
 
 def _cure(path: FieldPath, got: object, shape: Shape) -> str:
