@@ -151,3 +151,16 @@ def test_more_images_a_second_than_the_log_has_poses_are_a_warning(camera_hz, im
     assert (ended.code, f"{images} images; nothing was rendered" in ended.out) == (0, True)
     text = "warning: imported/test_1: the images are to be taken at 60 Hz, but the log usually has 20 poses a second"
     assert (text in ended.out, "import the log with --row-hz 60" in ended.out) == (warns, warns)
+
+
+@pytest.mark.parametrize(("camera_hz", "apart"), [(15.0, "50 to 100 ms apart, and not 66.7 ms (15 Hz)"), (1.9, "")])
+def test_images_at_poses_that_are_not_a_period_apart_are_a_warning(camera_hz, apart, tmp_path, symolo):
+    """The log has a row each 50 ms: the first ones after multiples of 66.7 ms are at 0, 100, 150, 200, 300..."""
+    path = written(tmp_path / "log.csv", circle())
+    command = ("rerender", path, "--look", "lab", "--camera-hz", camera_hz, "--dry-run", "--out", tmp_path / "out")
+    ended = symolo(*command)
+    text = f"each image is at a pose of the log, which usually has 20 poses a second: the images are {apart}"
+    assert ended.code == 0
+    assert (text in ended.out) == bool(apart)
+    assert ("import the log with --row-hz 15" in ended.out) == bool(apart)
+    assert "ms apart" not in symolo(*command, "--row-hz", camera_hz).out

@@ -272,6 +272,8 @@ def test_images_are_taken_at_the_first_row_of_each_period():
     np.testing.assert_array_equal(image_numbers(np.arange(0, 450, 50), 5), [1, 0, 0, 0, 2, 0, 0, 0, 3])
     np.testing.assert_array_equal(image_numbers(np.array([7, 58, 110, 161, 209, 260]), 5), [1, 0, 0, 0, 2, 0])
     np.testing.assert_array_equal(image_numbers(np.array([0, 1000, 2000]), 5), [1, 2, 3])
+    np.testing.assert_array_equal(image_numbers(np.array([0, 33, 67, 100, 133, 167]), 30), [1, 2, 3, 4, 5, 6])
+    np.testing.assert_array_equal(image_numbers(np.array([0, 199, 200, 399, 400]), 5), [1, 0, 2, 0, 3])
 
 
 def test_a_manifest_is_what_was_written():
