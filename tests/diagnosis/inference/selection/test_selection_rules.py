@@ -104,6 +104,12 @@ class TestRefusal:
         falls[-1] = -1.0
         assert judged(falls) == ("" if is_named else f"the fall of 17.0 comes from {samples}.0 samples")
 
+    def test_falls_that_count_as_a_little_less_than_6_samples_are_too_few(self, judged):
+        """Five falls of 3.25 and one of half of that count as 5.5^2 / (5 + 0.25) = 5.8."""
+        falls = np.zeros(100)
+        falls[:6] = *[3.25] * 5, 1.625
+        assert judged(falls) == "the fall of 17.9 comes from 5.8 samples"
+
     @pytest.mark.parametrize(("samples", "is_named"), [(2, False), (3, True)])
     def test_an_effect_with_one_parameter_goes_through_one_outlier_but_not_through_three(
         self, judged, samples, is_named
