@@ -282,6 +282,7 @@ class TestSteps:
         assert entered is (candidates[2] if tried == "ABC" else None)
         assert [entry.accepted for entry in entries] == [False, False, True][: len(tried)]
         assert [entry.drop for entry in entries] == [20.0, 100.0 - cost_of_b, 16.0][: len(tried)]
+        assert [entry.reason for entry in entries] == ["no", "no", "the cost falls by 16.0"][: len(tried)]
 
     def test_three_effects_are_enough_and_a_model_no_better_than_none_ends_the_selection(self, evidence, monkeypatch):
         fits_by_size = [fake_fit(100.0), fake_fit(80.0, A), fake_fit(60.0, A, B), fake_fit(40.0, A, B, C)]
@@ -492,6 +493,33 @@ class TestSteps:
         assert stepwise._pairs(evidence, fake_fit(100.0), (A, B, C, D)) == [known]
         assert {single.cost for single in extended} == {80.0, 80.2, 81.0}
         assert [start for _, start in together] == [24.5]
+        # Where no single one explains more than 4, a pair does.
+        pairs[:] = [Fake(drop=drop, hypothesis=FakeHypothesis(A, D), start=drop) for drop in (4.5, 3.5)]
+        together.clear()
+        monkeypatch.setattr(stepwise, "scanned", lambda *_: [Fake(drop=4.0)])
+        stepwise._pairs(evidence, fake_fit(100.0), (A, B, C, D))
+        assert [start for _, start in together] == [4.5]
+
+    def test_in_the_place_of_two_effects_the_three_most_promising_pairs_are_fitted(self, monkeypatch):
+        one_stage: Any = Fake(stages=("motor",))
+        pairs, started = [Fake(hypothesis=FakeHypothesis(C, D), start=k) for k in range(5)], []
+        monkeypatch.setattr(stepwise, "scan_pairs", lambda *_: pairs)
+        monkeypatch.setattr(stepwise, "fits", lambda _, starts, __: started.extend(starts) or [])
+        assert stepwise._other_pairs(one_stage, fake_fit(100.0), fake_fit(80.0, A, B), (A, B, C, D)) == []
+        assert [start for _, start in started] == [0, 1, 2]
+
+    @pytest.mark.parametrize(("wide", "best"), [(30.0, (A, WIDE)), (35.0, (C, D))])
+    def test_of_several_better_pairs_the_one_that_costs_least_is_taken(
+        self, evidence, monkeypatch, refusing, wide, best
+    ):
+        """In whatever order they come, with 6 for each parameter."""
+        refusing()
+        monkeypatch.setattr(stepwise, "_cancels", lambda *_: False)
+        monkeypatch.setattr(stepwise, "without", lambda *_: None)
+        pairs = [fake_fit(50.0, A, B), fake_fit(40.0, C, D), fake_fit(wide, A, WIDE)]
+        for order in (pairs, pairs[::-1]):
+            found = stepwise._best_pair(evidence, fake_fit(200.0), order, fake_fit(100.0, A))
+            assert found.hypothesis.effects == best
 
     def test_an_effect_that_may_no_longer_enter_does_not_change_the_order_of_equal_fits(self):
         fits = [fake_fit(20.0, C, B), fake_fit(20.0, C, A)]
