@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from blender_scenes.render.lost_light import lost_light_factor
 from symolo.core.arrays import FloatImage
 
 _CPU, _FLOAT3 = 1, 3
@@ -46,6 +47,11 @@ class Denoiser:
         self._library.oidnExecuteFilter(denoise)
         self._require_success()
         return images["output"].copy()
+
+    def keeping_mean(self, light: FloatImage, normal: FloatImage, albedo: FloatImage) -> FloatImage:
+        """Return the same with the mean that the light has with its noise, or nearly so (`lost_light_factor`)."""
+        even = self(light, normal, albedo)
+        return even * np.float32(lost_light_factor(light, even))
 
     def _filter(self, shape: tuple[int, ...]) -> tuple[int, dict[str, FloatImage]]:
         if shape not in self._filters:

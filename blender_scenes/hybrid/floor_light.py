@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from blender_scenes.hybrid.denoiser import Denoiser
+from blender_scenes.render.lost_light import lost_light_factor
 from symolo.core.arrays import FloatImage
 
 _MIN_FREE = np.float32(0.5)
@@ -14,7 +15,7 @@ coloured fringes at their feet."""
 _UP = np.array((0.0, 0.0, 1.0), np.float32)
 
 
-def without_noise(light: FloatImage, free: FloatImage, denoised: Denoiser) -> FloatImage:
+def without_noise(light: FloatImage, free: FloatImage, denoised: Denoiser, *, keeps_mean: bool = False) -> FloatImage:
     """Return light (N, N, 3) on the whole floor, without noise.
 
     Args:
@@ -22,9 +23,15 @@ def without_noise(light: FloatImage, free: FloatImage, denoised: Denoiser) -> Fl
         free: Share (N, N, 1) of each texel that is not below a body.
         denoised: Denoiser. It gets the floor below bodies as black: so light does not spread from one side of a wall to
             the other, and the shadow at a foot keeps its shape.
+        keeps_mean: Whether the light that is not below bodies gets its mean back, of which the denoiser takes a part
+            for noise. The ratio of two lights does not need it, because both lose about the same part.
     """
     albedo = np.broadcast_to(_GUIDE_ALBEDO * free, light.shape)
-    return without_holes(denoised(light, np.broadcast_to(_UP, light.shape), albedo), free)
+    even = denoised(light, np.broadcast_to(_UP, light.shape), albedo)
+    known = free[..., 0] > _MIN_FREE
+    if keeps_mean and known.any():
+        even *= np.float32(lost_light_factor(light[known], even[known]))
+    return without_holes(even, free)
 
 
 def without_holes(light: FloatImage, free: FloatImage) -> FloatImage:

@@ -7,7 +7,7 @@ from symolo.core.arrays import FloatImage
 
 
 def lost_light_factor(noisy: FloatImage, denoised: FloatImage) -> float:
-    """Return the factor that gives a denoised image (H, W, 3) the mean luminance of the noisy one, or nearly so.
+    """Return the factor that gives denoised pixels (..., 3) the mean luminance of the noisy ones, or nearly so.
 
     Path tracing has the right mean, but with few samples much of it may be in few bright pixels. A denoiser takes them
     for noise, so its image is too dark everywhere. The mean difference d of both images shows this, with a standard

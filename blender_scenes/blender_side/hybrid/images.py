@@ -210,7 +210,8 @@ class HybridRenderer:
         light = passes["DiffDir"] + passes["DiffInd"]
         # A visible lamp is part of the surfaces; for the denoiser of the light it would be a firefly.
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
-        rest = self._denoised_fast(rest, normal, np.where(is_floor > 0, roughness, 1))
+        # Few of the paths find a small lamp in the gloss, so their light is in few bright pixels.
+        rest = self._denoised_fast.keeping_mean(rest, normal, np.where(is_floor > 0, roughness, 1))
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
         flat = np.concatenate([0 * both, both], axis=-1)
@@ -304,7 +305,7 @@ class HybridRenderer:
 
     def _irradiance_tile(self, tile: Tile) -> FloatImage:
         light = self._light_on(tile, "irradiance", _UP)
-        return without_noise(light, self._free(tile, light), self._denoised)
+        return without_noise(light, self._free(tile, light), self._denoised, keeps_mean=True)
 
     def _relief_tile(self, tile: Tile) -> FloatImage:
         """Return the lean (N, N, 6) of the light on the floor."""

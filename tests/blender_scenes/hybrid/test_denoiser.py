@@ -39,3 +39,13 @@ def test_an_image_does_not_depend_on_those_denoised_before_nor_on_threads():
     kept(first + 1, upwards(first))
     np.testing.assert_array_equal(kept(first, upwards(first)), alone)
     np.testing.assert_array_equal(Denoiser(2, "BALANCED")(first, upwards(first)), alone)
+
+
+def test_even_light_keeps_its_mean_if_half_of_it_is_in_few_bright_pixels():
+    """A path in fifty finds a lamp. The denoiser alone takes a fifth of all light for noise."""
+    bright = np.random.Generator(np.random.PCG64(5)).random((256, 256, 1)) < 0.02
+    noise = np.repeat((1 + 50 * bright).astype(np.float32), 3, axis=-1)
+    denoiser = Denoiser(1, "BALANCED")
+    kept = denoiser.keeping_mean(noise, upwards(noise), np.ones_like(noise))
+    assert kept.mean() == pytest.approx(noise.mean(), rel=0.02)
+    assert kept.std() < 0.1 * noise.std()

@@ -73,3 +73,25 @@ def test_light_with_noise_is_right_on_both_sides_of_a_thin_wall_up_to_its_feet()
         assert near.sum() > 200
         assert off[near].mean() == pytest.approx(0.0, abs=0.05)
         assert np.sqrt((off[near] ** 2).mean()) < 0.1
+
+
+def test_light_keeps_the_mean_of_its_samples_where_few_paths_bring_it():
+    """One path of fifty meets the lamp. With the denoiser alone, 2.5 % of the light are missing."""
+    side, share = 256, 0.02
+    random = np.random.default_rng(1)
+    meet = random.random((side, side, SAMPLES)) < share
+    light = np.repeat((meet.mean(axis=-1, keepdims=True) / share).astype(np.float32), 3, axis=-1)
+    even = without_noise(light, np.ones((side, side, 1), np.float32), Denoiser(1, "HIGH"), keeps_mean=True)
+    assert even.mean() == pytest.approx(light.mean(), rel=0.01)
+    assert even.std() < 0.2 * light.std()
+
+
+def test_light_keeps_its_mean_beside_bodies_that_are_left_out():
+    """A wide body stands on half of the floor, where no light is counted."""
+    side, share = 256, 0.02
+    free = np.ones((side, side, 1), np.float32)
+    free[:, side // 2 :] = 0
+    meet = np.random.default_rng(2).random((side, side, SAMPLES)) < share
+    light = np.repeat((free * meet.mean(axis=-1, keepdims=True) / share).astype(np.float32), 3, axis=-1)
+    even = without_noise(light, free, Denoiser(1, "HIGH"), keeps_mean=True)
+    assert even[:, : side // 2].mean() == pytest.approx(light[:, : side // 2].mean(), rel=0.015)
