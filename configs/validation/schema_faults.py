@@ -137,8 +137,8 @@ def _other_measure(key: str, node: Node | None, known: list[str]) -> tuple[str, 
         return full_name if full_name in known else f"{full_name}_deg", ""
     rate_hz = node.value if node else None
     if key == "rate_hz" and ALTERNATIVES[key] in known:
-        is_rate = isinstance(rate_hz, int | float) and rate_hz > 0
-        return ALTERNATIVES[key], "write 1 / rate_hz" + (f", such as {1.0 / rate_hz:.4g}" if is_rate else "")
+        such_as = f", such as {1.0 / rate_hz:.4g}" if isinstance(rate_hz, int | float) and rate_hz > 0 else ""
+        return ALTERNATIVES[key], f"write 1 / rate_hz{such_as}"
     return "", ""
 
 

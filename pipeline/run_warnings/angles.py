@@ -2,17 +2,18 @@
 
 import re
 from collections.abc import Iterator
-from math import degrees, pi
+from math import degrees, pi, radians
 
 from configs.schema.scenario import RunSpec
 from pipeline.run_warnings.suspicion import Suspicion, settings_of
 from sensors.ranging.lidar import LidarSettings
 
-ROUND_RAD = {2: pi / 4.0, 3: pi / 12.0}
-"""Angle whose multiples are round, 45 or 15 degrees, by the number of decimals from which on it counts. Things are
+ROUND_RAD = {2: pi / 4.0, 3: pi / 12.0, 4: pi / 36.0}
+"""Angle whose multiples are round, 45, 15 or 5 degrees, by the number of decimals from which on it counts. Things are
 mounted at round angles, which in degrees have no decimals; many angles with two decimals are near a multiple of 15."""
-CAMERA_PITCH = "robot.camera.pitch_down_deg"
-"""Angle that is round with two decimals, too: it is large, or none at all."""
+CAMERA_PITCH = re.compile(r"robot\.camera\.pitch_down_deg|robot\.sensors\.\w+\.pitch_up_deg")
+"""Angles that are round with two decimals, too, in steps of 5 degrees: they are large, or none at all."""
+MIN_PITCH_RAD, MAX_PITCH_RAD = radians(9.0), pi / 2.0 + 0.01
 SIDE_MOUNTS = ("robot.tof.mounts.left.yaw_deg", "robot.tof.mounts.right.yaw_deg")
 MIN_SIDE_RAD, MAX_SIDE_RAD = 0.1, 2.0
 """Yaw of a side sensor that is probably in radians: in degrees, the sensor would look straight ahead."""
@@ -66,8 +67,9 @@ def _scans_in_radians(spec: RunSpec) -> Iterator[Suspicion]:
 def _is_round_in_radians(angle: float, field: str) -> bool:
     """Return whether a number is a round angle up to a whole turn, in radians, to the last of its decimals."""
     decimals = len(f"{angle:.6g}".partition(".")[2])
-    finest = max(ROUND_RAD)
-    round_rad = ROUND_RAD[finest] if field == CAMERA_PITCH and decimals == 2 else ROUND_RAD.get(min(decimals, finest))
+    round_rad = ROUND_RAD.get(min(decimals, max(ROUND_RAD)))
+    if decimals == min(ROUND_RAD) and CAMERA_PITCH.fullmatch(field) and MIN_PITCH_RAD < abs(angle) < MAX_PITCH_RAD:
+        round_rad = pi / 36.0
     if round_rad is None or not 0.0 < abs(angle) < 2.0 * pi + 10.0**-decimals:
         return False
     multiple = round(abs(angle) / round_rad)

@@ -7,6 +7,7 @@ from math import radians
 
 from configs.schema.scenario import RunSpec
 from pipeline.run_warnings.suspicion import Suspicion, settings_of
+from pipeline.run_warnings.unusual_sizes import unusual_sizes
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,9 @@ class UsualRange:
 
 _SENSOR = r"robot\.(encoder|tof|line_sensor|sensors\.\w+)"
 _GYROSCOPE = r"robot\.sensors\.\w+\.gyroscope"
+_ACCELEROMETER = r"robot\.sensors\.\w+\.accelerometer"
 _DEG = radians(1.0)
+_MILLI_G = 9.80665e-3
 USUAL = (
     UsualRange(rf"{_SENSOR}\.dropout_probability", 0.0, 0.5, "most readings are lost", "per cent", 0.01),
     UsualRange(rf"{_SENSOR}\.quantisation_m", 0.0, 0.02, "the readings have coarse steps", "mm", 0.001),
@@ -42,6 +45,30 @@ USUAL = (
     ),
     UsualRange(
         rf"{_GYROSCOPE}\.range_rad_s", 0.0, 100.0, "the gyroscope measures many turns per second", "deg/s", _DEG
+    ),
+    # Data sheet of the MPU-6050: 80 mg at rest, 0.4 mg/sqrt(Hz), and axes that are perpendicular within 2 %.
+    UsualRange(
+        rf"{_ACCELEROMETER}\.bias_sd_m_s2", 0.0, 2.0, "the accelerometer shows a part of gravity", "mg", _MILLI_G
+    ),
+    UsualRange(rf"{_ACCELEROMETER}\.bias_instability_m_s2", 0.0, 0.1, "the bias wanders fast", "mg", _MILLI_G),
+    UsualRange(
+        rf"{_ACCELEROMETER}\.noise_density_m_s2_rtHz",
+        0.0,
+        0.05,
+        "the accelerometer is very noisy",
+        "mg/sqrt(Hz)",
+        _MILLI_G,
+    ),
+    UsualRange(
+        r"robot\.sensors\.\w+\.(gyroscope|accelerometer)\.misalignment_sd_rad",
+        0.0,
+        0.1,
+        "the axes are many degrees from perpendicular",
+        "degrees",
+        _DEG,
+    ),
+    UsualRange(
+        r"robot\.(encoder|tof|line_sensor)\.delay_s", 0.0, 0.3, "the robot reacts to readings that are old", "ms", 0.001
     ),
     UsualRange(r"stop\.time_limit_s", 0.0, 1800.0, "a run may take more than half an hour", "ms", 0.001),
     UsualRange(
@@ -73,6 +100,7 @@ def unusual_settings(spec: RunSpec) -> Iterator[Suspicion]:
     yield from _unusual_body(spec)
     yield from _unusual_heights(spec)
     yield from _large_effects(spec)
+    yield from unusual_sizes(spec)
 
 
 def _beyond(field: str, value: float, meaning: str, condition: str, instead: float) -> Suspicion:

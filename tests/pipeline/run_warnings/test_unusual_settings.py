@@ -14,6 +14,7 @@ from pipeline.stages.simulate import simulate
 ROUTE = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
 ARC = "{kind: arc, center: [0.30, 0.50], radius_m: 0.25, start_deg: 0, end_deg: 1.5708}"
 CART = "[{{name: Cart, center: [-0.2, 0.3], motion: {{waypoints: [{{t_s: {t_s}, turn_deg: {turn_deg}}}]}}}}]"
+CAMERA = "{{kind: camera, x_m: 0, z_m: 0.15, period_s: 1, width_px: 32, height_px: 24, pitch_up_deg: {pitch_up_deg}}}"
 
 
 def warnings_of(*settings):
@@ -61,6 +62,31 @@ def warnings_of(*settings):
         ),
         ("robot.line_sensor.height_m=0.03", "line sensor is farther from the floor than the 9.5 mm of its data sheet"),
         ("robot.camera.height_above_base_m=1.2", "means that the camera is 1.2 m above a body of 0.18 m"),
+        ("robot.camera.roll_deg=0.0873", "if it is in radians, write roll_deg: 5"),
+        ("robot.camera.yaw_left_deg=0.3491", "if it is in radians, write yaw_left_deg: 20"),
+        (f"robot.sensors.rear={CAMERA.format(pitch_up_deg=-0.44)}", "if it is in radians, write pitch_up_deg: -25"),
+        # 400 ug/sqrt(Hz) and 5 mg of the data sheet of the MPU-6050, with 9.80665 m/s^2 for 1 g.
+        (
+            "robot.sensors.imu={accelerometer: {noise_density_m_s2_rtHz: 0.4}}",
+            "the accelerometer is very noisy; if it is in mg/sqrt(Hz), write noise_density_m_s2_rtHz: 0.00392",
+        ),
+        ("robot.sensors.imu.accelerometer.bias_sd_m_s2=5", "if it is in mg, write bias_sd_m_s2: 0.049"),
+        ("robot.sensors.imu.gyroscope.misalignment_sd_rad=0.3", "in degrees, write misalignment_sd_rad: 0.00524"),
+        ("robot.tof.delay_s=0.5", "readings that are old; if it is in ms, write delay_s: 0.0005"),
+        # Eight sensors, 0.03 m apart, are 0.21 m wide.
+        (
+            "robot.line_sensor.pitch_m=0.03",
+            "0.21 m, is wider than the body, 0.17 m; if it is the distance of the outer ones, write pitch_m: 0.00429",
+        ),
+        # Half of 0.17 m less the 0.03 m at which the sensor is mounted.
+        ("robot.controller.wall.target_distance_m=0.012", "reaches 0.055 m farther to the side than the sensor"),
+        # 1e-6 * 2.8535 / 0.31057^2 = 3.0e-5 s.
+        ("robot.motor.rotor_inertia_kg_m2=1e-6", "up to speed within 0.03 ms, and small motors need 3 ms or more"),
+        ("robot.drive.wheel_friction=0.009", "the wheels slide as on ice"),
+        (
+            "arena.obstacles=[{name: b, center: [3, 3], size: [8, 0.08, 0.12]}]",
+            "beyond the floor, which ends at 4 m (arena.floor.half_extent_m); if its 8 m are cm, write 0.08",
+        ),
         (
             "robot.effects.wheel_radius_asymmetry.asymmetry=0.6",
             "for two wheels of the same type, one per cent is much; if it is in per cent, write asymmetry: 0.006",
@@ -81,6 +107,22 @@ def test_a_number_in_another_unit_is_named_with_the_number_to_write(setting, end
         "robot.tof.beam_sigma_deg=1",
         "robot.camera.pitch_down_deg=0.6",
         "robot.camera.pitch_down_deg=0",
+        "robot.camera.pitch_down_deg=5",
+        "robot.camera.roll_deg=0.35",
+        "robot.camera.roll_deg=5",
+        "robot.camera.yaw_left_deg=0.09",
+        "robot.camera.yaw_left_deg=2.09",
+        f"robot.sensors.rear={CAMERA.format(pitch_up_deg=-5)}",
+        f"robot.sensors.rear={CAMERA.format(pitch_up_deg=0.5)}",
+        "robot.sensors.imu={accelerometer: {noise_density_m_s2_rtHz: 0.01, bias_sd_m_s2: 0.78}}",
+        "robot.sensors.imu.gyroscope.misalignment_sd_rad=0.05",
+        "robot.tof.delay_s=0.12",
+        "robot.line_sensor.pitch_m=0.02",
+        "robot.motor.rotor_inertia_kg_m2=0",
+        "robot.motor.rotor_inertia_kg_m2=5e-5",
+        "robot.drive.wheel_friction=0.1",
+        "robot.drive.wheel_friction={uniform: [0.01, 0.02]}",
+        "arena.obstacles=[{name: b, center: [3, 3], size: [3, 0.08, 0.12]}]",
         f"arena.obstacles={CART.format(t_s=90, turn_deg=1)}",
         "robot.power={battery_voltage_V: 12, motor_voltage_limit_V: 12}",
         "robot.encoder.dropout_probability=0.5",
