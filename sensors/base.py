@@ -174,8 +174,8 @@ class Sensor(ABC):
         """Return the part of a reading that goes into each of `series`."""
         return (reading,)
 
-    def checked(self, reading: Reading) -> Array:
-        """Return a reading of a sensor of `robot.sensors`, as its table contains it.
+    def checked(self, reading: Reading, t_s: float) -> Array:
+        """Return a reading of a sensor of `robot.sensors` at a time, as its table contains it.
 
         Raises:
             InputError: The reading is not one finite number for each column.
@@ -184,7 +184,9 @@ class Sensor(ABC):
         if np.shape(reading) != (sum(column.count for column in columns),) or not np.isfinite(reading).all():
             names = ", ".join(column.title for column in columns)
             allowed = f"a finite number for each column: {names}"
-            raise InputError(f"sensor {self.name}: the reading", got=str(reading), allowed=allowed)
+            code = type(self).sample.__code__
+            what, where = f"sensor {self.name}: the reading at {t_s:.3f} s", f"{code.co_filename}:{code.co_firstlineno}"
+            raise InputError(what, where=where, got=str(reading), allowed=allowed)
         return np.asarray(reading, dtype=np.float64)
 
 

@@ -81,7 +81,7 @@ class SensorSuite:
         sensor, step = self._sensors[name], self._next_step[name]
         reading = self._samples[name][step] = sensor.sample(world)
         if name in self._logged:
-            self._logged[name].append((step, sensor.checked(reading)))
+            self._logged[name].append((step, sensor.checked(reading, world.time_s)))
             self._next_step[name] += sensor.sampling.period_steps
         while self._next_step[name] <= step:
             self._next_tick[name] += 1

@@ -1,6 +1,6 @@
 """Estimates of what a scenario makes, its size and its time, with the assumptions behind them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from textwrap import wrap
 
@@ -55,6 +55,9 @@ BYTES_PER_ROW = 600
 """Size [byte] of a row in data.csv, side files and the stored trajectory."""
 COPIES = 2
 """Number of copies: the stages keep the files of the release, so that the next command continues."""
+
+
+PER_PIXEL = " samples per pixel"
 
 
 @dataclass(frozen=True)
@@ -157,7 +160,10 @@ class ScenarioPlan:
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
         # Several qualities where the scenario draws them at random; a dict keeps their order.
-        qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self._all)
+        samples_of: dict[str, dict[str, None]] = {}
+        for run in self._all:
+            samples_of.setdefault(run.quality, {})[_samples(run.sampling)] = None
+        qualities = [f"{quality}, {_joined(samples)}" for quality, samples in samples_of.items()]
         lights = dict.fromkeys(LightPathsRecord.model_validate(run.sampling.paths).text for run in self._all)
         to_line = "start to line" if any(run.start_to_line for run in self.runs) else ""
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  {'size [px]':11}  {to_line}".rstrip()]
@@ -245,6 +251,13 @@ def _probed_samples(sampled: TracingSettings) -> int:
 def _is_hybrid(sampled: TracingSettings) -> bool:
     """Return whether a run uses hybrid rendering, or has it as the first candidate of its choice."""
     return sampled.hybrid is not None
+
+
+def _joined(samples: Iterable[str]) -> str:
+    """Return numbers of samples with the word "or" between them, and their unit once if it is that of all."""
+    texts = list(samples)
+    unit = PER_PIXEL if all(text.endswith(PER_PIXEL) for text in texts) else ""
+    return " or ".join(text.removesuffix(unit) for text in texts) + unit
 
 
 def _samples(sampled: TracingSettings) -> str:

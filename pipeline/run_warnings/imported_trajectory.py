@@ -145,10 +145,17 @@ def _headings(pose: Array) -> Iterator[str]:
     off_rad = angle_to_path(place, yaw)
     if off_rad < UNEXPLAINED_RAD:
         return
-    others = (("in degrees", np.radians(yaw)), ("in radians", np.degrees(yaw)), ("counted clockwise", -yaw))
-    for name, other in others:
+    others = (
+        ("in degrees", "unit: deg", np.radians(yaw)),
+        ("in radians", "unit: rad", np.degrees(yaw)),
+        ("counted clockwise", "factor: -1", -yaw),
+    )
+    for name, cure, other in others:
         if angle_to_path(place, other) < EXPLAINED_RAD:
-            yield f"the headings do not follow the path; they would if they were {name}"
+            yield (
+                f"the headings do not follow the path; they would if they were {name}: give theta_rad {cure} in a"
+                " mapping file"
+            )
             return
     for sense, factor, signed in (("", "", yaw), (" clockwise from another direction", "factor: -1 and ", -yaw)):
         turn_rad = turn_to_path(place, signed)

@@ -16,7 +16,7 @@ from physics.robot.model import RobotModel
 from physics.run.controller_runner import ControllerRunner, Decision, InProcessRunner
 from pipeline.stages.closed_loop import ClosedLoop
 from sensors.wheels.instruments import read_current_A, read_speed_rad_s
-from symolo.core.errors import RunFailed
+from symolo.core.errors import InputError, RunFailed
 from symolo.core.random_streams import stream
 from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.tables.camera_rows import image_column
@@ -126,7 +126,10 @@ class _Recorder:
         return DriveOutcome(self._recording(), not problems, tuple(problems), lap_time_s)
 
     def _tick(self, tick: int) -> None:
-        seen = self._loop.observe(tick)
+        try:
+            seen = self._loop.observe(tick)
+        except InputError as error:  # a reading of a sensor of the user's own
+            raise InputError(f"{self._spec.key}: {error}") from error
         decision = self._runner.decide(seen)
         if self._watch is not None:
             self._watch(seen.t_s, seen, decision)

@@ -362,7 +362,11 @@ def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_pa
     path = written(tmp_path, re.sub(r"return np.array.*", f"return {result}", TOY))
     SENSORS.load(path)
     try:
-        message = "sensor feeler: the reading: got .*, allowed: a finite number for each column: contact, clearance"
+        line = 1 + path.read_text().splitlines().index("    def sample(self, world):")
+        message = (
+            rf"^CW/test_1: {path}:{line}: sensor feeler: the reading at 0\.000 s: got .*, allowed: a finite number for"
+            " each column: contact, clearance"
+        )
         with pytest.raises(InputError, match=message):
             simulate(drawn(f"{TRAVEL}=0.02"))
     finally:

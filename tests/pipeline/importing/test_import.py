@@ -253,8 +253,11 @@ def test_a_far_path_is_moved_to_the_middle_of_a_floor_that_fits(tmp_path, symolo
 
 SUSPICIOUS = {
     "standing": (lambda t, x, y, yaw: (t, 0 * x, 0 * y, yaw), "moves less than 1 cm: are x and y in a larger unit"),
-    "clockwise": (lambda t, x, y, yaw: (t, x, y, -yaw), "they would if they were counted clockwise"),
-    "radians in degrees": (lambda t, x, y, yaw: (t, x, y, np.radians(yaw)), "they would if they were in radians"),
+    "clockwise": (lambda t, x, y, yaw: (t, x, y, -yaw), "were counted clockwise: give theta_rad factor: -1 in a map"),
+    "radians in degrees": (
+        lambda t, x, y, yaw: (t, x, y, np.radians(yaw)),
+        "were in radians: give theta_rad unit: rad in a map",
+    ),
     "turned": (
         lambda t, x, y, yaw: (t, x, y, yaw + 0.7),
         "larger by -40 degrees: give theta_rad offset: -0.7 in a map",

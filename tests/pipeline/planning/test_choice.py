@@ -43,3 +43,9 @@ def test_the_plan_states_the_samples_of_a_choice(width_px, height_px, samples):
     spec = draw_run(load_scenario("symolo", size), "CW", 1)
     text = " ".join(ScenarioPlan.of([spec], 1).text().split())
     assert f" {samples} samples per pixel in each image that a run measures" in text
+
+
+def test_a_quality_with_several_numbers_of_samples_is_named_once():
+    spec = draw_run(load_scenario("symolo", ["render.samples=8"]), "CW", 1)
+    fewer = spec.model_copy(update={"render": spec.render.model_copy(update={"samples": 4})})
+    assert "quality    standard, 8 or 4 samples per pixel\n" in ScenarioPlan.of([spec, fewer], 1).text()
