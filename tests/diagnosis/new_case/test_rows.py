@@ -83,8 +83,8 @@ def test_a_fast_log_is_sampled_twenty_times_a_second(log):
 
 
 def test_what_is_sampled_again_is_named_only_if_the_log_has_it(log):
-    """Of rows 0.02 s apart, only every fifth one is at a multiple of 0.05 s."""
-    t = 0.02 * np.arange(400)
+    """Of rows that are by turns 0.015 s and 0.025 s apart, few are at a multiple of 0.05 s."""
+    t = np.cumsum(np.tile([0.015, 0.025], 200)) - 0.015
     ticks = np.round(200 * t).astype(int)
     measurement = measured(log(table("t,encL,encR,x,y,theta", t, ticks, 2 * ticks, 0.1 * t, -0.1 * t, np.round(t, 9))))
     assert any(note.endswith("every 0.05 s; counts and poses are interpolated") for note in measurement.notes)
