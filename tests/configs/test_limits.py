@@ -262,7 +262,19 @@ def test_of_a_point_at_three_times_the_half_floor_the_unit_is_asked_for(x_m, is_
 
 @pytest.mark.parametrize(
     ("start_deg", "end_deg"),
-    [(10, 80), (-80, 80), (80, -80), (100, 170), (-10, 190), (350, 370), (0, 360), (90, 180), (89.5, 90.5), (10, 89.2)],
+    [
+        (10, 80),
+        (90.5, 170),
+        (-80, 80),
+        (80, -80),
+        (100, 170),
+        (-10, 190),
+        (350, 370),
+        (0, 360),
+        (90, 180),
+        (89.5, 90.5),
+        (10, 89.2),
+    ],
 )
 def test_the_points_that_are_checked_of_an_arc_reach_as_far_as_all_of_it(start_deg, end_deg):
     (piece,) = arena([arc(start_deg, end_deg, radius_m=2.0, center=(1.0, -3.0))]).line.pieces

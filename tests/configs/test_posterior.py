@@ -104,6 +104,12 @@ def test_a_run_states_its_source_its_hypothesis_and_its_numbers():
         assert len(spec.robot.effect_ranges) == len(effects)
 
 
+def test_a_run_states_the_measured_ranges_of_what_it_has_too():
+    text = POSTERIOR.replace("noise:\n", "  - {covariate: temperature_C, quantity: null, low: 20, high: 30}\nnoise:\n")
+    (measured,) = draw_run(load_scenario("trial.yaml", [written(text)]), "CW", 1).like.measured
+    assert (measured.quantity, measured.low, measured.high) == ("voltage_V", 0, 5)
+
+
 def test_the_resolved_scenario_draws_the_same_runs_without_the_file_and_one_run_alone_is_the_same():
     loaded = load_scenario("trial.yaml", [written()])
     tree, specs = loaded.tree, draw_all(loaded)

@@ -284,6 +284,13 @@ def test_the_exposure_follows_a_frame_down_to_a_thousandth_of_the_run():
         assert decoded(develop(factor * GREY, own, 3.0, 1)) == pytest.approx(linear, rel=0.03)
 
 
+def test_the_exposure_follows_what_the_lens_brings_light_to():
+    own = _response(PLAIN.model_copy(update={"exposure_adaption": 1.0}))
+    light = np.where(np.arange(64)[None, :, None] < 20, 0.1 * GREY, 0 * GREY)
+    field = np.broadcast_to(np.arange(64) < 20, (48, 64))
+    assert decoded(develop(light, own, 3.0, 1, field)[:, :20]) == pytest.approx(0.18, abs=0.003)
+
+
 @pytest.mark.parametrize(("columns", "linear"), [(3, 0.18), (5, 0.1 / 20.0)])
 def test_up_to_a_25th_of_the_frame_may_burn(columns, linear):
     light = np.full((50, 100, 3), 0.1, np.float32)
