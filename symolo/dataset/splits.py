@@ -188,12 +188,13 @@ def _divided(
 def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, float], where: str) -> InputError:
     listed = _some(names)
     one = {"look": "the same look", "robot": "the same robot", "seed": "the same seed", "route": "the same route"}
-    groups = f"all runs have {one[by]} ({listed})" if len(names) == 1 and by in one else f"{by}: {listed}"
+    groups = f"all runs have {one[by]} ({listed})" if len(names) == 1 and by in one else f"the groups are {listed}"
+    too_few = f"{plural(len(names), 'group')} {'is' if len(names) == 1 else 'are'} too few"
     return InputError(
-        f"splits.by: {plural(len(names), 'group')} for {plural(len(shares), 'split')}: {groups}",
+        f"splits.by: {too_few} for {plural(len(shares), 'split')}: {groups}",
         where=where,
         got=by,
-        allowed="a property with at least one value for each split",
+        allowed=f"a property that has at least {plural(len(shares), 'value')} in these runs",
         cure="remove shares or make more runs" if by == "run" else "divide by run, or remove shares",
     )
 

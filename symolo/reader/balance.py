@@ -28,6 +28,8 @@ class SplitContent:
     routes: dict[str, None] = field(default_factory=dict)
     looks: dict[str, None] = field(default_factory=dict)
     robots: dict[str, None] = field(default_factory=dict)
+    arenas: set[str] = field(default_factory=set)
+    """Arenas with their values that were drawn, as JSON."""
     images: int = 0
     images_by_class: Counter[str] = field(default_factory=Counter)
     """Number of images that show a class."""
@@ -59,6 +61,8 @@ class Balance:
             ("routes", [_listed([*split.routes]) for split in self.splits]),
             ("looks", [_listed([*split.looks]) for split in self.splits]),
             ("robots", [_listed([*split.robots]) for split in self.splits]),
+            ("arenas", [str(len(split.arenas)) for split in self.splits]),
+            ("arenas that another split has too", [str(len(self._in_others(split))) for split in self.splits]),
             ("images", [str(split.images) for split in self.splits]),
         ]
         if self.knows_line:
@@ -73,6 +77,11 @@ class Balance:
         if any(split.speeds_m_s for split in self.splits):
             rows.append(("speed at the images [m/s]", [_range(split.speeds_m_s) for split in self.splits]))
         return rows
+
+    def _in_others(self, split: SplitContent) -> set[str]:
+        """Return the arenas of a split that another split has, too."""
+        others = (other.arenas for other in self.splits if other is not split)
+        return split.arenas.intersection(set().union(*others))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -143,6 +152,7 @@ def _add_run(content: SplitContent, run: Run, images: Sequence[Image], diagnosis
     content.routes[run.spec.route] = None
     content.looks[run.spec.look.name] = None
     content.robots[robot_of_run(run.spec.robot.name, run.spec.drawn, diagnosis)] = None
+    content.arenas.add(run.spec.arena.model_dump_json())
     if images and "v" in run.table.columns:
         speeds = run.image_table.twist[[image.index for image in images], 0]
         known = speeds[np.isfinite(speeds)]

@@ -10,7 +10,7 @@ from symolo.core.errors import InputError
     ("setting", "message"),
     [
         ("splits.by=look", "all runs have the same look (classroom): got 'look'"),
-        ("splits.by=route", "splits.by: 2 groups for 3 splits: route: CCW, CW"),
+        ("splits.by=route", "splits.by: 2 groups are too few for 3 splits: the groups are CCW, CW"),
         ("splits={by: run, shares: {train: 0.5, test: 0.6}}", "splits.shares: got 'train 0.5, test 0.6: in all 1.1'"),
         ("splits={by: run, shares: {train: 1, test: 0}}", "splits.shares.test: got 0, allowed: number > 0 and <= 1"),
         ("splits={}", "got 'neither by nor runs', allowed: one of by and runs"),

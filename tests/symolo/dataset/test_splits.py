@@ -110,8 +110,8 @@ def test_listed_runs_are_in_the_split_of_their_pattern():
 @pytest.mark.parametrize(
     ("rule", "message"),
     [
-        (by("look"), "1 group for 3 splits: all runs have the same look (lab)"),
-        (by("route"), "2 groups for 3 splits: route: A, B: got 'route'"),
+        (by("look"), "1 group is too few for 3 splits: all runs have the same look (lab)"),
+        (by("route"), "2 groups are too few for 3 splits: the groups are A, B: got 'route'"),
         (by("image"), "0 images for 3 splits; remove shares, or make more images"),
         (SplitRule(None, {}, {"train": ("A/*",)}, 1), "splits.runs: B/test_1, B/test_2 are in no split; add"),
         (

@@ -148,7 +148,7 @@ def test_splits_by_image_are_warned_about_and_have_every_image_once(random_relea
 @pytest.mark.parametrize(
     ("rule", "message"),
     [
-        ("{by: run}", "--splits: splits.by: 2 groups for 3 splits: run: CCW/test_1, CW/test_1"),
+        ("{by: run}", "--splits: splits.by: 2 groups are too few for 3 splits: the groups are CCW/test_1, CW/test_1"),
         ("{by: runs}", "--splits: splits.by: got 'runs', allowed: one of run, route, look"),
         ("{by: run, shares: {train: 0.5, test: 0.6}}", "got 'train 0.5, test 0.6: in all 1.1', allowed: shares whose"),
         ("{runs: {train: [CW/*]}}", "splits.runs: CCW/test_1 is in no split; add"),
