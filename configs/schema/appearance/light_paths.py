@@ -15,7 +15,7 @@ class LightPaths(Section):
 
     preset: LightPathPreset = "auto"
     """`complete` follows all light. `standard` has fewer bounces, no caustics, and a limit on the light of one path;
-    its images have 98 to 102 % of the light. `auto` is `complete` for `quality: reference` and for long runs, which
+    its images have 97 to 102 % of the light. `auto` is `complete` for `quality: reference` and for long runs, which
     choose their samples themselves; otherwise it is `standard`."""
     diffuse_bounces: int | None = Field(default=None, ge=0, le=1024)
     """Maximum number of matt surfaces that a path of light meets after the first surface."""
