@@ -1,5 +1,7 @@
 /* The floor from above: line, walls and obstacles, the path so far, the robot and its range readings. */
 
+const SCALE_PX = 32; // height of the strip below the map, for the bar of the scale
+
 class FloorMap {
   constructor(canvas, colours) {
     this.canvas = canvas;
@@ -24,7 +26,7 @@ class FloorMap {
     const width = this.canvas.parentElement.clientWidth;
     const [low, high] = this.window;
     const shape = (high[1] - low[1]) / (high[0] - low[0]);
-    const height = Math.min(width * shape, Math.max(260, 0.52 * window.innerHeight));
+    const height = SCALE_PX + Math.min(width * shape, Math.max(260, 0.52 * window.innerHeight));
     this.context = sharpContext(this.canvas, width, height);
     this.draw();
   }
@@ -37,7 +39,7 @@ class FloorMap {
   draw() {
     if (!this.run || this.row === undefined || !this.context) return;
     const { context, run, row } = this;
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight - SCALE_PX];
     const pose = [run.pose.x[row], run.pose.y[row], run.pose.theta[row]];
     const [low, high] = this.follows ? aroundRobot(pose, width / height) : this.window;
     const scale = Math.min(width / (high[0] - low[0]), height / (high[1] - low[1]));
@@ -46,7 +48,11 @@ class FloorMap {
       0.5 * height - scale * (y - 0.5 * (low[1] + high[1])),
     ];
     const ink = this.colours.ink();
-    context.clearRect(0, 0, width, height);
+    context.clearRect(0, 0, width, height + SCALE_PX);
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, width, height);
+    context.clip();
     for (const piece of run.arena.line) fill(context, piece.map(place), this.colours.tape());
     for (const box of run.arena.boxes) {
       const corners = cornersOf(box, row).map(place);
@@ -58,15 +64,14 @@ class FloorMap {
     for (const scan of run.scans) this.scan(scan, place);
     for (const beam of run.beams) this.beam(beam, pose, place);
     this.robot(pose, place, this.colours.of(run.state[row]));
-    this.scale(scale, height);
+    context.restore();
+    this.scale(scale, height + SCALE_PX);
   }
 
-  /** Draw a bar of a round length in the lower left corner; `scale` is in pixels per metre. */
+  /** Draw a bar of a round length below the map; `scale` is in pixels per metre. */
   scale(scale, height) {
     const length = niceStep(180 / scale);
     const [x, y, ink] = [10.5, height - 10.5, this.colours.faint()];
-    const wide = Math.max(length * scale, 34) + 12;
-    fill(this.context, [[4, y - 22], [4 + wide, y - 22], [4 + wide, y + 6], [4, y + 6]], this.colours.paper(), 0.85);
     outline(this.context, [[x, y], [x + length * scale, y]], ink, 2);
     this.context.fillStyle = ink;
     this.context.font = "11px system-ui, sans-serif";

@@ -97,6 +97,18 @@ def test_keys_go_from_image_to_image_and_from_run_to_run(opened):
     assert title == ", ".join(f"{time} / 2.0 s" for time in times)
 
 
+def test_the_bar_of_the_scale_covers_no_wall_and_no_obstacle(opened):
+    """The bar, its number and their background are in the lowest 32 px, where nothing else is drawn."""
+    steps = (
+        "const strip = (from) => { const ratio = canvas.width / canvas.clientWidth;"
+        " const y = Math.round((canvas.clientHeight - 32) * ratio), x = Math.round(from * ratio);"
+        " const data = canvas.getContext('2d').getImageData(x, y, canvas.width - x, canvas.height - y).data;"
+        " return data.filter((value, index) => index % 4 === 3 && value > 0).length; };"
+        "const canvas = document.getElementById('map'); document.title = `${strip(0) > 0} ${strip(260)}`;"
+    )
+    assert re.search(r"<title>(.*?)</title>", opened(steps=steps)).group(1) == "true 0"
+
+
 def test_it_plays_to_the_end_and_stops(opened):
     """A busy browser may draw no image within the virtual time, so a timer, which counts that time, takes its place."""
     timer = "window.requestAnimationFrame = (step) => setTimeout(() => step(performance.now()), 16);"
