@@ -77,7 +77,8 @@ class Floor(Section):
 
 class WallConfig(Section):
     """A straight wall, defined by the face that the robot sees. Looking from `start` to `end`, the robot is on the left
-    of the face, and the body of the wall is on its right."""
+    of the face, and the body of the wall is on its right.
+    """
 
     name: Slug
     """Name of the wall, unique in the arena."""
