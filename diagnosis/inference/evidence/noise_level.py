@@ -13,7 +13,7 @@ The noise of speeds that are computed from counts has a form of its own (`diagno
 the level of a random torque is estimated. The correlation is what this form leaves.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import sqrt
 
@@ -43,6 +43,8 @@ NOISES = (0.5, 2.0)
 """Least and greatest noise of a speed that is computed from counts, relative to what is stated."""
 CLEAR = 3.0
 """Standard errors by which a correlation must exceed the stated one to be used in its place."""
+LEAST_NOISE = 0.4
+"""Least standard deviation of what counts as noise, in sigmas of a fit, whose level is at most twice the true one."""
 MATERIAL_CORRELATION = 0.1
 """Excess of a correlation that matters."""
 TORQUES = 24
@@ -88,18 +90,32 @@ def with_clear_correlations(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         if not quantity.is_series or is_open(quantity):
             continue
         z = np.where(evidence.fit[place], fit.z[place], np.nan)
-        correlation, error = correlation_of_differences(z, quantity.trial)
-        if assumed + MATERIAL_CORRELATION < correlation - CLEAR * error:
+        found = correlation_of_differences(z, quantity.trial)
+        # What is slower or much smaller than noise is misfit, or the rounding of a slow signal.
+        is_noise = found.correlation < MAX_CORRELATION and found.sd > LEAST_NOISE
+        if is_noise and assumed + MATERIAL_CORRELATION < found.correlation - CLEAR * found.error:
             before = noises.get(quantity.name, EstimatedNoise(1.0, assumed))
-            noises[quantity.name] = replace(before, correlation=min(correlation, MAX_CORRELATION))
+            noises[quantity.name] = replace(before, correlation=found.correlation)
     return evidence if noises == dict(evidence.noises) else evidence.with_noises(noises)
 
 
-def correlation_of_differences(z: Array, trial: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the correlation of successive residuals, to which slow misfit adds little, and its standard error.
+@dataclass(frozen=True)
+class SuccessiveNoise:
+    """AR(1) noise that has the differences of some residuals."""
 
-    Differences of AR(1) noise over two rows have 1 + p times the variance of those over one row. Outliers are trimmed.
-    The error is that of the jackknife, with each of some blocks of rows left out in turn; infinite with few rows.
+    correlation: float
+    """Of successive rows; above 1 if the differences are those of something slower than noise."""
+    error: float
+    """Its standard error by the jackknife, with each of some blocks of rows left out in turn; infinite with few rows."""
+    sd: float
+    """Standard deviation, in the unit of the residuals."""
+
+
+def correlation_of_differences(z: Array, trial: NDArray[np.int64]) -> SuccessiveNoise:
+    """Return the noise by the differences of residuals, to which a misfit adds little that is slow compared with it.
+
+    Differences over two rows have 1 + p times the variance of those over one row, which is 2 (1 - p) times that of the
+    noise. Outliers are trimmed.
 
     Args:
         z: (n,), residuals, NaN where there is none.
@@ -107,13 +123,15 @@ def correlation_of_differences(z: Array, trial: NDArray[np.int64]) -> tuple[floa
     """
     differences = [np.where(trial[lag:] == trial[:-lag], z[lag:] - z[:-lag], np.nan) for lag in (1, 2)]
     if min(np.count_nonzero(np.isfinite(each)) for each in differences) < BLOCKS * MIN_BLOCK_ROWS:
-        return 0.0, np.inf
+        return SuccessiveNoise(0.0, np.inf, 0.0)
     edges = np.linspace(0, len(z), BLOCKS + 1).astype(int)
     without = []
     for begin, end in pairwise(edges.tolist()):
         kept = [np.concatenate([each[:begin], each[end:]]) for each in differences]
         without.append(_ratio(*kept))
-    return _ratio(*differences) - 1.0, float(np.std(without)) * sqrt(BLOCKS - 1)
+    correlation = _ratio(*differences) - 1.0
+    variance = trimmed_variance(differences[0]) / (2.0 * max(1.0 - correlation, 1e-3))
+    return SuccessiveNoise(correlation, float(np.std(without)) * sqrt(BLOCKS - 1), sqrt(variance))
 
 
 def _ratio(one: Array, two: Array) -> float:

@@ -1,4 +1,4 @@
-"""Test whether the noise of separate readings differs between categories, such as the materials of targets.
+"""Test whether the noise of separate readings differs between the materials of targets.
 
 Residuals about zero may be adequate and still scatter more on one material than on others, which neither the stated
 noise nor an effect describes. The ranks of their absolute values are compared (Kruskal and Wallis, J. Am. Stat. Assoc.
@@ -10,25 +10,37 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.stats import kruskal
 
+from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import Structure
-from diagnosis.predictors.base import Covariate, CovariateShape
+from diagnosis.predictors.base import Covariate
 from symolo.core.arrays import Array
 
+MATERIAL = "material"
+"""The category that is tested. Sweeps of a motor differ in how many rows stand still, and not in their noise."""
+TIMES = 1.5
+"""Ratio of the noise on one material to that on the others from which it matters."""
+LEAST = 0.1
+"""Median size of residuals [sigma] below which they count as equal, such as on a plateau, where nothing scatters."""
 MIN_ROWS = 4
-"""Least number of rows of a category; those with fewer are left out."""
+"""Least number of rows of a material; those with fewer are left out."""
 UNEVEN = "noise that is"
 """Beginning of what such a structure is."""
 
 
 def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
-    """Yield how the noise differs between the categories of each covariate, for quantities that are no series."""
+    """Yield how the noise of each quantity that is no series differs between materials.
+
+    Nothing is yielded for a fit with a limit, where readings do not scatter, whatever the material.
+    """
+    if any(effect.kind.slot is Slot.RANGE_LIMIT for effect in fit.hypothesis.effects):
+        return
     covariates = [
         (number, rank, covariate)
         for number, quantity in enumerate(evidence.observed)
         for rank, covariate in enumerate(quantity.covariates)
-        if covariate.shape is CovariateShape.CATEGORY and not quantity.is_series
+        if covariate.name == MATERIAL and not quantity.is_series
     ]
     for number, rank, covariate in covariates:
         place, quantity = evidence.places[number], evidence.observed[number]
@@ -38,7 +50,9 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
             continue
         widest = max(groups, key=lambda label: float(np.median(groups[label])))
         others = np.concatenate([group for label, group in groups.items() if label != widest])
-        times = float(np.median(groups[widest])) / max(float(np.median(others)), 1e-9)
+        times = float(np.median(groups[widest])) / max(float(np.median(others)), LEAST)
+        if times < TIMES:
+            continue
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
@@ -54,12 +68,11 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
 
 
 def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
-    """Return the absolute residuals of each category with enough rows, by its name."""
+    """Return the absolute residuals on each material with enough rows, by its name."""
     groups = {}
     for value in np.unique(covariate.values[np.isfinite(covariate.values)]):
         inside = sizes[covariate.values == value]
         inside = inside[np.isfinite(inside)]
         if len(inside) >= MIN_ROWS:
-            name = covariate.labels[int(value)] if covariate.labels else f"{value:g}"
-            groups[name] = inside
+            groups[covariate.labels[int(value)]] = inside
     return groups

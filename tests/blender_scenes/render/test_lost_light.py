@@ -49,3 +49,7 @@ def test_a_denoised_image_that_is_too_bright_gets_darker():
 def test_an_image_without_noise_stays_as_it_is(light):
     image = np.full(SHAPE, light, np.float32)
     assert lost_light_factor(image, image) == 1.0
+
+
+def test_a_single_pixel_keeps_its_light():
+    assert lost_light_factor(np.ones((1, 3), np.float32), np.full((1, 3), 0.5, np.float32)) == 1.0

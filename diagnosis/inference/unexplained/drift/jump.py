@@ -11,6 +11,10 @@ from symolo.core.arrays import Array
 
 JUMP_ROWS = 4
 """Rows at either end between which an offset may jump."""
+MIN_SHARE = 1e-9
+"""Share of an offset that the coordinates do not explain, below which it is only rounding error."""
+MIN_LEVEL = 1e-9
+"""Least variance of the noise, relative to that of the rows; a sensor at its limit has none."""
 ROUNDS = 5
 """Estimates of the noise and of the best moment in turn. The noise decides how far the tolerances hold the numbers."""
 
@@ -46,7 +50,7 @@ def _jump(series: RangeSeries, elsewhere: Elsewhere, inside: Mask) -> Jump | Non
         return None
     offset = inside / series.sd_m
     columns = np.stack([offset, *(series.slopes_m / series.sd_m)])
-    level, jump = float(series.z @ series.z) / count, None
+    level, jump = max(float(series.z @ series.z) / count, MIN_LEVEL), None
     for _ in range(ROUNDS):
         information = columns @ columns.T / level
         information[1:, 1:] += elsewhere.information
@@ -55,12 +59,16 @@ def _jump(series: RangeSeries, elsewhere: Elsewhere, inside: Mask) -> Jump | Non
         # The column of an offset from a row on, for each of the rows: its products are sums over the rows behind it.
         inner = _sums_behind(offset * columns)[:, places] / level
         along = _sums_behind(offset * series.z)[places] / level - inner.T @ inverse @ pull
-        squares = _sums_behind(offset**2)[places] / level - np.einsum("pk,pq,qk->k", inner, inverse, inner)
-        best = int(np.argmax(along**2 / squares))
-        size = along[best] / squares[best]
+        whole = _sums_behind(offset**2)[places] / level
+        squares = whole - np.einsum("pk,pq,qk->k", inner, inverse, inner)
+        # A coordinate of the fit, such as a limit that begins with a row, may be the same jump.
+        is_new = squares > MIN_SHARE * whole
+        sizes = np.divide(along, squares, out=np.zeros_like(along), where=is_new)
+        best = int(np.argmax(along * sizes))
+        size = sizes[best]
         change = inverse @ (pull - size * inner[:, best])
         rest = series.z - change @ columns - size * offset * (np.arange(count) >= places[best])
-        level = float(rest @ rest) / count
+        level = max(float(rest @ rest) / count, MIN_LEVEL)
         cost = count * (np.log(level) + 1.0) + 2.0 * float(np.log(series.sd_m).sum())
         jump = Jump(float(cost + elsewhere.squares_after(change[1:])), rest / np.sqrt(level))
     return jump

@@ -51,7 +51,8 @@ def test_differences_show_the_correlation_beside_a_slow_misfit_and_outliers(p):
         z = ar1(p, 2000, seed) + slow
         z[::50] += 20.0
         found.append(correlation_of_differences(z, np.repeat(np.arange(4), 500)))
-    correlations, errors = np.array(found).T
+    correlations, errors, sds = np.array([(each.correlation, each.error, each.sd) for each in found]).T
+    assert 0.95 < sds.mean() < 1.15  # two of fifty differences have an outlier, which the trimming does not undo
     assert correlations.mean() == pytest.approx(p, abs=0.03)
     # The standard error of the least squares estimate is sqrt((1 - p^2) / n); trimming makes it up to twice as large.
     assert np.sqrt((1.0 - p**2) / 2000) < np.median(errors) < 4.0 * np.sqrt((1.0 - p**2) / 2000)
@@ -59,4 +60,12 @@ def test_differences_show_the_correlation_beside_a_slow_misfit_and_outliers(p):
 
 
 def test_few_differences_have_no_certain_correlation():
-    assert correlation_of_differences(ar1(0.8, 100, 1), np.zeros(100, dtype=int))[1] == np.inf
+    assert correlation_of_differences(ar1(0.8, 100, 1), np.zeros(100, dtype=int)).error == np.inf
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_smooth_misfit_with_hardly_any_noise_is_none(noise):
+    """A wave of 100 rows: its differences over two rows have nearly four times the squares, or they are small."""
+    wave = np.sin(2.0 * np.pi * np.arange(2000) / 100.0)
+    found = correlation_of_differences(wave + noise * ar1(0.0, 2000, 1), np.zeros(2000, dtype=int))
+    assert found.correlation > 1.0 or found.sd < 0.1

@@ -1,5 +1,7 @@
 """The likelihood of an offset that changes once, against least squares for each moment alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -43,3 +45,19 @@ def test_a_jump_needs_rows_before_and_after_it(series):
         series.at[few], series.path[few], series.residual_m[few], series.sd_m[few], series.slopes_m[:, few]
     )
     assert best_jump(short, Elsewhere(np.eye(1), np.zeros(1), 0.0)) is None
+
+
+def test_a_jump_that_a_coordinate_of_the_fit_describes_already_is_none(series):
+    """Rows of even noise, of which the coordinate moves the last ones: no jump is left, and one elsewhere is found."""
+    after = (series.at >= 25.0).astype(float)
+    known = replace(series, slopes_m=after[None], sd_m=np.full(COUNT, 0.002))
+    jump = best_jump(known, Elsewhere(np.zeros((1, 1)), np.zeros(1), 0.0))
+    assert np.isfinite(jump.cost)
+    assert np.abs(jump.z).max() < 4.0
+
+
+def test_rows_without_any_error_have_a_jump_of_nothing(series):
+    still = replace(series, residual_m=np.zeros(COUNT))
+    jump = best_jump(still, Elsewhere(np.eye(1), np.zeros(1), 0.0))
+    assert np.isfinite(jump.cost)
+    assert np.array_equal(jump.z, np.zeros(COUNT))

@@ -2,12 +2,15 @@
 
 import importlib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import tof_bench
+from diagnosis.inference.unexplained.uneven_noise import uneven_noise
+from diagnosis.predictors.base import Covariate, CovariateShape
 from diagnosis.report.verdict import headline, unexplained_sentence
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
@@ -41,4 +44,34 @@ def test_noise_on_one_material_is_unexplained_and_gets_no_name(diagnosed):
 
 def test_noise_on_all_materials_is_even(diagnosed):
     diagnosis = diagnosed(lambda _: 1.6)
+    assert not diagnosis.answer()["unexplained"]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "is_uneven"), [((1.0, 3.0), True), ((1.0, 1.2), False), ((1e-12, 3e-12), False), ((0.0, 1.0), True)]
+)
+def test_only_a_difference_that_matters_is_uneven(sizes, is_uneven):
+    """Residuals of 6000 rows on two materials; nothing scatters on the plateau of a sensor but rounding errors."""
+    material = np.arange(6000) % 2
+    z = np.random.default_rng(3).standard_normal(6000) * np.array(sizes)[material]
+    covariate = Covariate("material", material.astype(float), CovariateShape.CATEGORY, labels=("paper", "wood"))
+    quantity = SimpleNamespace(name="reading_m", channel="reading_m", covariates=(covariate,), is_series=False)
+    everything = np.ones(6000, dtype=bool)
+    evidence = SimpleNamespace(observed=(quantity,), places=(slice(0, 6000),), fit=everything, values=z)
+    found = list(uneven_noise(evidence, SimpleNamespace(z=z, hypothesis=SimpleNamespace(effects=()))))
+    assert [structure.p < 1e-3 for structure in found] == [True] * is_uneven
+
+
+def test_readings_at_a_limit_do_not_scatter_whatever_their_material(tmp_path):
+    """Targets beyond the limit are all of one material, so that it has hardly any residuals."""
+    gap = importlib.import_module("gap_cases")
+    case = gap.make_case("tof_bench", 6, rows="some")
+    columns = case.columns
+    limit_m = float(np.quantile(columns["distance_m"], 0.5))
+    kept = (np.array(columns["material"]) == columns["material"][0]) | (columns["distance_m"] < limit_m - 0.02)
+    reading_m = np.round(np.minimum(columns["reading_m"], limit_m), 3)
+    cut = {name: values[kept] for name, values in {**columns, "reading_m": reading_m}.items()}
+    gap.write(replace(case, columns=cut), tmp_path / "case")
+    diagnosis = diagnose(tof_bench.IMPORTER.read(tmp_path / "case"))
+    assert diagnosis.names == ("range_saturation",)
     assert not diagnosis.answer()["unexplained"]
