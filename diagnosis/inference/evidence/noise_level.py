@@ -106,7 +106,7 @@ class SuccessiveNoise:
     correlation: float
     """Of successive rows; above 1 if the differences are those of something slower than noise."""
     error: float
-    """Its standard error by the jackknife, with each of some blocks of rows left out in turn; infinite with few rows."""
+    """Its standard error by the jackknife, with blocks of rows left out in turn; infinite with few rows."""
     sd: float
     """Standard deviation, in the unit of the residuals."""
 
