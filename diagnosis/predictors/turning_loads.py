@@ -13,6 +13,8 @@ from symolo.core.arrays import Array
 
 TURNING = "turn_rad_s"
 """Name of the covariate with the rate of turning."""
+MIN_TURN = 0.1
+"""Least difference of the wheels' speeds that counts as a turn, as a share of the largest speed."""
 ABRUPT = 0.02
 """Share of the largest speed or rate at which a friction has three quarters of its size."""
 
@@ -20,13 +22,13 @@ ABRUPT = 0.02
 def turning_loads(speed_rad_s: Array) -> Iterator[tuple[str, Array]]:
     """Yield what each load is, and its torque on the wheels (..., 2), relative to its largest one.
 
-    Nothing is yielded if the robot never turns.
+    Nothing is yielded if the robot hardly turns: such a drive says nothing about turns.
 
     Args:
         speed_rad_s: (..., 2), speeds of the right and the left wheel.
     """
     turn = speed_rad_s[..., :1] - speed_rad_s[..., 1:]
-    if not turn.any():
+    if np.abs(turn).max(initial=0.0) <= MIN_TURN * np.abs(speed_rad_s).max(initial=0.0):
         return
     turn, speed = turn / np.abs(turn).max(), speed_rad_s / np.abs(speed_rad_s).max()
     against_turn = np.array([-1.0, 1.0])

@@ -276,7 +276,7 @@ def _released(workspace: Workspace, run: str, *, pending: bool, check: bool, has
     if done is None:
         return StageStatus("release", "there, from deleted stages" if there else "not there", "it was not assembled")
     if not there:
-        return StageStatus("release", "gone", "its folder is missing")
+        return StageStatus("release", "gone", "its folder is missing", is_damaged=True)
     if has_images and f"{SIDE}/{SCENE}" not in done.files:
         return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
     missing = missing_files(workspace.out / run, done.files)

@@ -17,7 +17,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
-from diagnosis.predictors.turning_loads import TURNING
+from diagnosis.predictors.turning_loads import TURNING, turning_loads
 from diagnosis.predictors.wheels import LOAD, Wheels
 from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
 from symolo.core.tables.time_series import TimeSeries
@@ -148,3 +148,17 @@ def test_a_friction_that_grows_in_turns_takes_the_place_of_a_larger_friction(rob
     assert without.cost - fit.cost > 50.0
     found = with_forms(evidence, without, fit, Adequacy(()))
     assert [s.covariate for s in found.structures if s.p < 0.001] == along
+
+
+@pytest.mark.parametrize("difference", [0.0, 1e-12, 0.01])
+def test_a_straight_drive_says_nothing_about_loads_in_turns(difference):
+    speed_rad_s = 5.0 * np.sin(np.linspace(0.0, 6.0, 50))[:, None] * np.array([1.0, 1.0 + difference])
+    assert list(turning_loads(speed_rad_s)) == []
+
+
+def test_loads_are_against_the_turn_and_as_large_as_one():
+    """The right wheel turns at 4 rad/s and the left one at 2 rad/s: a turn to the left, whose loads brake the right."""
+    of_wheel, in_proportion, dry = (torque[0] for _, torque in turning_loads(np.array([[4.0, 2.0], [4.0, 3.0]])))
+    assert of_wheel == pytest.approx([-1.0, -1.0])
+    assert in_proportion == pytest.approx([-1.0, 1.0])
+    assert dry == pytest.approx([-1.0, 1.0])

@@ -136,3 +136,13 @@ def test_what_is_no_output_folder_is_refused_in_one_line(out, tmp_path, symolo):
     for arguments in ((tmp_path / "none",), (tmp_path / "empty",), (out, "--set", "seed=1")):
         ended = symolo("status", *arguments)
         assert (ended.code, ended.err.count("\n")) == (2, 1)
+
+
+def test_a_run_whose_folder_is_gone_is_damage(out, symolo):
+    (out / "CW/test_1").rename(out.parent / "elsewhere")
+    (out / "manifest-sha256.txt").rename(out.parent / "lists")
+    checked = symolo("status", out, "--check")
+    (out.parent / "elsewhere").rename(out / "CW/test_1")
+    (out.parent / "lists").rename(out / "manifest-sha256.txt")
+    assert checked.code == 4
+    assert "its folder is missing" in checked.out
