@@ -73,6 +73,7 @@ TESTS = {
     "configs/checks/arena.py": CHECKS,
     "configs/checks/look.py": CHECKS,
     "configs/checks/robot.py": CHECKS,
+    "configs/checks/motor_strength.py": CHECKS,
     "configs/checks/scenario.py": CHECKS,
     "configs/draw.py": (
         "tests/configs/test_draw.py",

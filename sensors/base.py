@@ -184,8 +184,9 @@ class Sensor(ABC):
         if np.shape(reading) != (sum(column.count for column in columns),) or not np.isfinite(reading).all():
             names = ", ".join(column.title for column in columns)
             allowed = f"a finite number for each column: {names}"
-            code = type(self).sample.__code__
-            what, where = f"sensor {self.name}: the reading at {t_s:.3f} s", f"{code.co_filename}:{code.co_firstlineno}"
+            code = getattr(type(self).sample, "__code__", None)
+            where = f"{code.co_filename}:{code.co_firstlineno}" if code else ""
+            what = f"sensor {self.name}: the reading at {t_s:.3f} s"
             raise InputError(what, where=where, got=str(reading), allowed=allowed)
         return np.asarray(reading, dtype=np.float64)
 

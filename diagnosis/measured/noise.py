@@ -16,7 +16,7 @@ a reading has steps that are coarse compared with its noise, most differences ar
 section 2.1). A group of n rows gives n - 1 independent deviates by Helmert's contrasts.
 """
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import sqrt
@@ -94,17 +94,26 @@ def noise_of_differences(values: Array, joined: Mask | None = None) -> Noise | N
     whole = _of_differences(values, joined)
     if whole is None or len(values) < BLOCKS * MIN_BLOCK_ROWS:
         return whole
+    without = [_of_differences(others, joined) for others in without_blocks(values)]
+    known = [(noise.sd, noise.correlation) for noise in without if noise is not None]
+    if len(known) < BLOCKS:
+        return whole
+    sd_error, correlation_error = jackknife_error(known).tolist()
+    return replace(whole, sd_error=sd_error, correlation_error=correlation_error)
+
+
+def without_blocks(values: Array) -> Iterator[Array]:
+    """Yield values (N,) with NaN in each block of successive ones in turn, for `jackknife_error`."""
     edges = np.linspace(0, len(values), BLOCKS + 1).astype(int)
-    without = []
     for begin, end in pairwise(edges.tolist()):
         others = values.copy()
         others[begin:end] = np.nan
-        noise = _of_differences(others, joined)
-        if noise is None:
-            return whole
-        without.append((noise.sd, noise.correlation))
-    sd_error, correlation_error = (np.std(np.array(without), axis=0) * sqrt(BLOCKS - 1)).tolist()
-    return replace(whole, sd_error=sd_error, correlation_error=correlation_error)
+        yield others
+
+
+def jackknife_error(estimates: Sequence[Sequence[float]]) -> Array:
+    """Return the standard errors (k,) of k numbers, from estimates of them without each block in turn."""
+    return np.std(np.array(estimates), axis=0) * sqrt(BLOCKS - 1)
 
 
 def _of_differences(values: Array, joined: Mask) -> Noise | None:

@@ -107,7 +107,14 @@ def test_the_diagnosis_tries_it_where_it_can_show(toy, kind, is_listed):
         mean = np.array([[sum(e.share for e in robot.effects if isinstance(e, toy))] for robot in robots])
         return SimpleNamespace(mean=mean, sd=np.ones_like(mean))
 
-    evidence = SimpleNamespace(predicted=predicted, sd=np.array([1.0]), fit=np.array([True]))
+    evidence = SimpleNamespace(
+        predicted=predicted,
+        sd=np.array([1.0]),
+        fit=np.array([True]),
+        observed=(SimpleNamespace(unit="A"),),
+        counts=[1],
+        readings=np.array([1.0]),
+    )
     listed = candidates(SimpleNamespace(kind=kind, trials=(), cases=()), evidence, Hypothesis(drawn().robot, ()))
     assert ("leaky_shunt" in [effect.name for effect in listed.testable]) is is_listed
     assert any(robot.effects.get(toy) for robot in seen) is is_listed

@@ -13,8 +13,8 @@ The noise of speeds that are computed from counts has a form of its own (`diagno
 the level of a random torque is estimated. The correlation is what this form leaves.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import sqrt
 
 import numpy as np
@@ -24,7 +24,14 @@ from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.likelihood import LEVEL_SD
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.noise import BLOCKS, MIN_BLOCK_ROWS, noise_of_differences, trimmed_variance
+from diagnosis.measured.noise import (
+    BLOCKS,
+    MIN_BLOCK_ROWS,
+    jackknife_error,
+    noise_of_differences,
+    trimmed_variance,
+    without_blocks,
+)
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.count_noise import CountNoise
 from symolo.core.arrays import Array
@@ -121,22 +128,24 @@ def correlation_of_differences(z: Array, trial: NDArray[np.int64]) -> Successive
         z: (n,), residuals, NaN where there is none.
         trial: (n,), trial of each row.
     """
-    differences = [np.where(trial[lag:] == trial[:-lag], z[lag:] - z[:-lag], np.nan) for lag in (1, 2)]
+    differences = _differences(z, trial)
     if min(np.count_nonzero(np.isfinite(each)) for each in differences) < BLOCKS * MIN_BLOCK_ROWS:
         return SuccessiveNoise(0.0, np.inf, 0.0)
-    edges = np.linspace(0, len(z), BLOCKS + 1).astype(int)
-    without = []
-    for begin, end in pairwise(edges.tolist()):
-        kept = [np.concatenate([each[:begin], each[end:]]) for each in differences]
-        without.append(_ratio(*kept))
-    correlation = _ratio(*differences) - 1.0
+    without = [(_ratio(_differences(others, trial)),) for others in without_blocks(z)]
+    correlation = _ratio(differences) - 1.0
     variance = trimmed_variance(differences[0]) / (2.0 * max(1.0 - correlation, 1e-3))
-    return SuccessiveNoise(correlation, float(np.std(without)) * sqrt(BLOCKS - 1), sqrt(variance))
+    return SuccessiveNoise(correlation, float(jackknife_error(without)[0]), sqrt(variance))
 
 
-def _ratio(one: Array, two: Array) -> float:
-    near = trimmed_variance(one)
-    return trimmed_variance(two) / near if near > 0.0 else 1.0
+def _differences(z: Array, trial: NDArray[np.int64]) -> list[Array]:
+    """Return the differences over one row and over two rows, NaN between trials."""
+    return [np.where(trial[lag:] == trial[:-lag], z[lag:] - z[:-lag], np.nan) for lag in (1, 2)]
+
+
+def _ratio(differences: Sequence[Array]) -> float:
+    """Return the variance of differences over two rows, relative to that over one row."""
+    near, far = map(trimmed_variance, differences)
+    return far / near if near > 0.0 else 1.0
 
 
 def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
