@@ -37,7 +37,7 @@ from pipeline.executors import local
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.work import batch
 from pipeline.work.supervisor import UnitFailure, WorkerError
-from pipeline.work.units import Progress
+from pipeline.work.units import AnyUnit, Progress
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.child_process import Failed
@@ -102,7 +102,11 @@ def _here(shuffle: int | None) -> Callable:
         if shuffle is not None:
             np.random.Generator(np.random.PCG64(shuffle)).shuffle(order)
         for unit in (units[place] for place in order):
-            event = do(unit, lambda share, at=None, unit=unit: on_event(unit, Progress(share=share, at=at)))
+
+            def on_progress(share: float, at: int | None = None, text: str = "", unit: AnyUnit = unit) -> None:
+                on_event(unit, Progress(share=share, at=at, text=text))
+
+            event = do(unit, on_progress)
             on_event(unit, event)
             if isinstance(event, Failed):
                 if event.error in {"environment", "input"}:
