@@ -50,7 +50,7 @@ NOISES = (0.5, 2.0)
 """Least and greatest noise of a speed that is computed from counts, relative to what is stated."""
 CLEAR = 3.0
 """Standard errors by which a correlation must exceed the stated one to be used in its place."""
-LEAST_NOISE = 0.4
+MIN_SD = 0.4
 """Least standard deviation of what counts as noise, in sigmas of a fit, whose level is at most twice the true one."""
 MATERIAL_CORRELATION = 0.1
 """Excess of a correlation that matters."""
@@ -99,7 +99,7 @@ def with_clear_correlations(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         z = np.where(evidence.fit[place], fit.z[place], np.nan)
         found = correlation_of_differences(z, quantity.trial)
         # What is slower or much smaller than noise is misfit, or the rounding of a slow signal.
-        is_noise = found.correlation < MAX_CORRELATION and found.sd > LEAST_NOISE
+        is_noise = found.correlation < MAX_CORRELATION and found.sd > MIN_SD
         if is_noise and assumed + MATERIAL_CORRELATION < found.correlation - CLEAR * found.error:
             before = noises.get(quantity.name, EstimatedNoise(1.0, assumed))
             noises[quantity.name] = replace(before, correlation=found.correlation)

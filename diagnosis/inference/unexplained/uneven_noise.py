@@ -21,7 +21,7 @@ MATERIAL = "material"
 """The category that is tested. Sweeps of a motor differ in how many rows stand still, and not in their noise."""
 TIMES = 1.5
 """Ratio of the noise on one material to that on the others from which it matters."""
-LEAST = 0.1
+MIN_SIZE = 0.1
 """Median size of residuals [sigma] below which they count as equal, such as on a plateau, where nothing scatters."""
 MIN_ROWS = 4
 """Least number of rows of a material; those with fewer are left out."""
@@ -50,7 +50,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
             continue
         widest = max(groups, key=lambda label: float(np.median(groups[label])))
         others = np.concatenate([group for label, group in groups.items() if label != widest])
-        times = float(np.median(groups[widest])) / max(float(np.median(others)), LEAST)
+        times = float(np.median(groups[widest])) / max(float(np.median(others)), MIN_SIZE)
         if times < TIMES:
             continue
         yield Structure(
