@@ -21,7 +21,7 @@ from configs.checks.scenario import (
     check_splits,
 )
 from configs.effects.effect_files import with_user_effects
-from configs.overrides import apply_override
+from configs.overrides import apply_override, check_order
 from configs.posterior.agreement import check_posterior
 from configs.posterior.reading import with_posterior
 from configs.posterior.schema import LoadedPosterior
@@ -277,6 +277,7 @@ def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> N
     for text in overrides:
         # Add defaults again, because a new list item or section may lack fields.
         root = _completed(apply_override(root, text), model)
+    check_order(overrides)
     return root
 
 

@@ -1,5 +1,6 @@
 """Values from the command line: `--set look.sun.elevation_deg=30`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from configs.assets.folder import anchored
@@ -10,6 +11,8 @@ from configs.references import SECTIONS, resolve_camera, resolve_section
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
+
+CAMERA = "look.camera"
 
 
 def apply_override(root: Node, text: str) -> Node:
@@ -32,7 +35,7 @@ def apply_override(root: Node, text: str) -> Node:
         node, is_complete = resolve_section(name, node, Path.cwd())
         if is_complete:
             return Node({**root.value, name: node}, root.where)
-    if name == "look.camera":
+    if name == CAMERA:
         node = resolve_camera(node, Path.cwd())
     if name == "look.assets":
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
@@ -45,12 +48,33 @@ def apply_override(root: Node, text: str) -> Node:
 
 def replaced_section(text: str) -> str:
     """Return the section that an override replaces by a name or `extends`; empty if it sets fields."""
+    name = text.partition("=")[0].strip()
+    return name if name in SECTIONS and _is_named(text) else ""
+
+
+def _is_named(text: str) -> bool:
+    """Return whether the value of an override is a name, or has `extends`."""
     name, _, value = text.partition("=")
-    name = name.strip()
-    if name not in SECTIONS:
-        return ""
-    content = parse_yaml(value, f"--set {name}", with_lines=False).value
-    return name if isinstance(content, str) or (isinstance(content, dict) and "extends" in content) else ""
+    content = parse_yaml(value, f"--set {name.strip()}", with_lines=False).value
+    return isinstance(content, str) or (isinstance(content, dict) and "extends" in content)
+
+
+def check_order(overrides: Sequence[str]) -> None:
+    """Refuse texts one of which replaces a whole section or camera in which an earlier one has set something.
+
+    Raises:
+        InputError: The earlier one would have no effect.
+    """
+    for number, text in enumerate(overrides):
+        name, _, value = text.partition("=")
+        replaced = CAMERA if name.strip() == CAMERA and _is_named(text) else replaced_section(text)
+        lost = next((each for each in overrides[:number] if replaced and each.strip().startswith(f"{replaced}.")), None)
+        if lost is not None:
+            raise InputError(
+                f"replaces all of {replaced}, and with it the {lost.partition('=')[0].strip()} before it",
+                where=f"--set {name.strip()}={value.strip()}",
+                cure=f"put it before --set {lost}",
+            )
 
 
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:

@@ -12,6 +12,7 @@ from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.lost_light import lost_light_factor
+from sensors.camera.colour import as_measured
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import median_luminance, white_level
@@ -154,7 +155,7 @@ class FrameTracer:
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
-    """Return the light of small images of a few of the job's views, within the field of view."""
+    """Return the light of small images of a few of the job's views, as the sensor measures it in the field of view."""
     small = metering_camera(pinhole_image(job.camera).camera)
     size, field = (small.width_px, small.height_px), field_of_view(small)
     lights = []
@@ -162,7 +163,7 @@ def metered_light(job: RenderJob) -> np.ndarray:
         seed = noise_seed(job.sampling.seed, "metering", view.number)
         light = traced_light(view, size, seed=seed, samples=_METERING_SAMPLES)
         lights.append(light if field is None else light[field])
-    return np.concatenate(lights)
+    return as_measured(np.concatenate(lights), job.response.colour_filter)
 
 
 def noise_seed(seed: int, *path: str | int) -> int:

@@ -15,6 +15,7 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.user_image_reader import read_user_image
 from blender_scenes.scene.typical import typical_color
 from configs.assets.images import read_image
+from sensors.camera.colour import as_measured
 from sensors.camera.lens_warp import pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import develop, median_luminance
@@ -49,9 +50,8 @@ class FlatRenderer:
         self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
         self._pinhole = pinhole_image(job.camera).camera
         small = metering_camera(self._pinhole)
-        self._metered = median_luminance(
-            np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
-        )
+        metered = np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
+        self._metered = median_luminance(as_measured(metered, job.response.colour_filter))
 
     def image(self, view: FrameView) -> NDArray[np.uint8]:
         """Return the 8-bit RGB image (H, W, 3) of one of the job's frames, developed like Blender's images."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import nnls
 
-from configs.schema.appearance.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook, ColourFilter
 from configs.schema.scenario import Render
 from diagnosis.photographs.line_place import BgrImage, LinePlace
 from diagnosis.photographs.measures import (
@@ -78,6 +78,10 @@ class FittedCamera:
     measures: CameraTarget
     """Measures of the model image."""
 
+    @property
+    def is_monochrome(self) -> bool:
+        return self.look.colour_filter == "monochrome"
+
 
 def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> FittedCamera:
     """Return the camera that `base` becomes with the measures of the photographs, which have one size.
@@ -99,6 +103,7 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
             "shot_noise": max(base.shot_noise, 0.002),
             "read_noise": max(base.read_noise, 0.001),
             "sharpening": 0.0,
+            "colour_filter": _colour_filter(photographs, base),
             # The floor has its colour in the photographs if its light is rendered neutral.
             "white_balance_adaption": 1.0,
             "shading_right_ev": _within(median_of(photographs, lambda p: shading_ev(p, base.contrast, lost)[0]), -3, 3),
@@ -112,6 +117,13 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
         measured = _measured(camera, *geometry)
         camera = corrected(replace(camera, measures=measured), target)
     return replace(camera, measures=_measured(camera, *geometry))
+
+
+def _colour_filter(photographs: Sequence[PhotographMeasures], base: CameraLook) -> ColourFilter:
+    """Return that of the base; photographs without any colour are those of a monochrome camera, and others are not."""
+    if all(np.ptp(photograph.place.image, axis=2).max() == 0 for photograph in photographs):
+        return "monochrome"
+    return "none" if base.colour_filter == "monochrome" else base.colour_filter
 
 
 def corrected(camera: FittedCamera, target: CameraTarget) -> FittedCamera:

@@ -177,7 +177,8 @@ class FittedLook:
         each = self.photographs
         lost = [vignetting([photograph], contrast) for photograph in each]
         noise = _spread(each, lambda p: p.floor_noise), _spread(each, lambda p: p.line_noise)
-        return {
+        filtered = {"colour_filter": "the photographs have no colours"} if self.camera.is_monochrome else {}
+        return filtered | {
             "brightness": "median light of a photograph, without its vignetting",
             "vignetting": f"fall of the light towards the corners of the floor: {min(lost):.2f} to {max(lost):.2f}",
             "lens_blur_px": f"width of the line's edge, 10 to 90 %: {_spread(each, lambda p: p.edge_px)} px",

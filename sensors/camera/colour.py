@@ -4,14 +4,19 @@ import colorsys
 
 import numpy as np
 
+from configs.schema.appearance.camera_look import ColourFilter
 from configs.schema.appearance.look import Paint
-from symolo.core.arrays import triple
+from symolo.core.arrays import FloatImage, triple
 
 RGB = tuple[float, float, float]
 """Linear Rec. 709 components; reflectances lie within 0 to 1."""
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 components (ITU-R BT.709)."""
+
+PANCHROMATIC = np.full(3, 1 / 3)
+"""Weights of linear Rec. 709 components in a monochrome sensor. Its response is taken to be the same for all visible
+light; that of a real one falls towards both ends of the spectrum."""
 
 _XYZ_TO_RGB = np.array(
     [[3.2404542, -1.5371385, -0.4985314], [-0.9692660, 1.8760108, 0.0415560], [0.0556434, -0.2040259, 1.0572252]]
@@ -46,6 +51,13 @@ def light_rgb(temperature_K: float) -> RGB:
             y = -1.1063814 * x**3 - 1.34811020 * x**2 + 2.18555832 * x - 0.20219683
     rgb = np.clip(_XYZ_TO_RGB @ np.array([x / y, 1.0, (1 - x - y) / y]), 0.0, None)
     return triple(rgb / float(rgb @ LUMINANCE))
+
+
+def as_measured(light: FloatImage, colour_filter: ColourFilter) -> FloatImage:
+    """Return what a sensor measures of linear light (..., 3): three equal values if it is monochrome."""
+    if colour_filter != "monochrome":
+        return light
+    return np.repeat((light @ PANCHROMATIC.astype(np.float32))[..., None], 3, axis=-1)
 
 
 def scaled(rgb: RGB, factor: float) -> RGB:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from configs.schema.appearance.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
-from sensors.camera.colour import LUMINANCE, RGB, light_rgb
+from sensors.camera.colour import LUMINANCE, RGB, as_measured, light_rgb
 from sensors.camera.mosaic import colours, demosaiced, mosaic
 from sensors.camera.optics import blurred, defocused, integrated_over_pixel, with_veiling_glare
 from sensors.camera.post_processing import denoised, sharpened
@@ -101,7 +101,12 @@ class CameraResponse:
 
 
 def _white_balance(look: CameraLook, light: RGB) -> RGB:
-    """Return gains between those for `white_balance_K` and those that make `light` neutral, mixed on a log scale."""
+    """Return gains between those for `white_balance_K` and those that make `light` neutral, mixed on a log scale.
+
+    A monochrome sensor has none.
+    """
+    if look.colour_filter == "monochrome":
+        return 1.0, 1.0, 1.0
     fixed = np.maximum(light_rgb(look.white_balance_K), _MIN_SHARE)
     actual = np.maximum(light, _MIN_SHARE * max(light)) if max(light) > 0 else fixed
     share = look.white_balance_adaption
@@ -176,7 +181,8 @@ def _balanced(raw: FloatImage, response: CameraResponse, number: int | None) -> 
     gains = np.asarray(response.white_balance, np.float32)
     if response.colour_filter == "none":
         return (raw if number is None else np.maximum(raw + _noise(raw, response, number), 0)) * gains
-    sensor = mosaic(raw)
+    is_monochrome = response.colour_filter == "monochrome"
+    sensor = raw[..., 0] if is_monochrome else mosaic(raw)
     if number is not None:
         draw = stream(response.seed, "camera noise", number).standard_normal(sensor.shape, np.float32)
         sensor = np.maximum(sensor + _noise_sd(sensor, response) * draw, 0)
@@ -184,6 +190,8 @@ def _balanced(raw: FloatImage, response: CameraResponse, number: int | None) -> 
     # cuts it off, so that saturated areas have no colour. Both limits together are this one. It acts before the
     # interpolation, whose weights are partly negative: light far beyond white would make its neighbours black.
     white = np.float32(inverse_tone(np.array([_WHITE]), response.contrast)[0])
+    if is_monochrome:
+        return np.repeat(np.minimum(sensor, white)[..., None], 3, axis=2)
     return np.clip(demosaiced(np.minimum(sensor * gains[colours(*sensor.shape)], white)), 0, white)
 
 
@@ -210,6 +218,7 @@ def compressed(pixels: NDArray[np.uint8], quality: int) -> NDArray[np.uint8]:
 
 
 def _through_glass(light: FloatImage, response: CameraResponse) -> FloatImage:
+    light = as_measured(light, response.colour_filter)
     light = defocused(blurred(light, response.lens_blur_px), response.defocus_px)
     return with_veiling_glare(integrated_over_pixel(light, response.pixel_px), response.veiling_glare)
 

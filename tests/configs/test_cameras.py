@@ -25,6 +25,19 @@ def test_a_setting_after_the_name_changes_that_setting_only():
     assert changed == named.model_copy(update={"vignetting": 0.33})
 
 
+@pytest.mark.parametrize(
+    ("texts", "lost"),
+    [
+        (("look.camera=phone", "look=garage"), "look.camera"),
+        (("look.camera.vignetting=0.3", "look.camera={extends: phone}"), "look.camera.vignetting"),
+        (("robot.wheel.radius_m=0.04", "seed=3", "robot=nominal"), "robot.wheel.radius_m"),
+    ],
+)
+def test_a_setting_before_the_name_that_replaces_it_is_refused(texts, lost):
+    with pytest.raises(InputError, match=f"and with it the {lost} before it; put it before --set {lost}="):
+        load_scenario("smoke", texts)
+
+
 def test_files_name_and_extend_cameras_and_keep_nothing_of_the_look_that_they_extend(tmp_path):
     (tmp_path / "mine.yaml").write_text("extends: webcam\nname: mine\nshot_noise: {uniform: [0.1, 0.2]}\n")
     (tmp_path / "look.yaml").write_text("extends: garage\nname: dim\ncamera: ./mine.yaml\n")
@@ -44,7 +57,7 @@ def test_a_name_that_is_not_shipped_is_refused_with_the_nearest_one():
     with pytest.raises(InputError) as refused:
         load_scenario("smoke", ["look.camera=fone"])
     assert "look.camera" in str(refused.value)
-    assert "phone, raspberry_pi, webcam" in str(refused.value)
+    assert "machine_vision, phone, raspberry_pi, webcam" in str(refused.value)
     with pytest.raises(InputError, match=r"camera\.typo"):
         load_scenario("smoke", ["look.camera={extends: phone, typo: 1}"])
 

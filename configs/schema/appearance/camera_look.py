@@ -6,7 +6,7 @@ from pydantic import Field
 
 from configs.schema.base import Section, Slug, absent
 
-ColourFilter = Literal["none", "bayer"]
+ColourFilter = Literal["none", "bayer", "monochrome"]
 
 
 def is_zero(value: float) -> bool:
@@ -62,8 +62,8 @@ class CameraLook(Section):
     veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
     """Share of the light that the lens spreads evenly over the image, which raises the black level."""
     colour_filter: ColourFilter = Field(default="none", exclude_if=is_unfiltered)
-    """Colour filter of the sensor: `none` measures all three colours at each pixel; `bayer` measures one of them and
-    interpolates the others."""
+    """Colours that the sensor measures: `none` measures all three at each pixel; `bayer` has a filter that lets one of
+    them through, and interpolates the others; `monochrome` measures all light together, so that images are grey."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
     """Standard deviation at full white, proportional to the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)

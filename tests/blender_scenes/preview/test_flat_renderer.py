@@ -31,6 +31,17 @@ def test_the_median_of_an_image_is_the_brightness_that_the_look_sets(arena, robo
     assert np.median(grey) == pytest.approx(137, abs=3)
 
 
+def test_a_monochrome_camera_meters_what_it_measures(arena, robot):
+    """In the light of a red lamp, red counts a third of what it measures and 0.2126 of the luminance."""
+    camera = EVEN.model_copy(update={"colour_filter": "monochrome", "exposure_adaption": 0})
+    red = {"lamps": LampsLook(color_temperature_K=1500), "sun": SunLook(illuminance_klx=0)}
+    look = LookConfig(name="red", camera=camera, sky=SkyLook(luminance_kcd_m2=0), **red)
+    job = job_of(arena, robot, look)
+    image = FlatRenderer(job).image(job.frames[0])
+    assert np.array_equal(image[..., 0], image[..., 2])
+    assert np.median(image) == pytest.approx(137, abs=3)
+
+
 def test_the_line_is_dark_where_the_camera_says_it_is(arena, robot):
     job = job_of(arena, robot)
     light = FlatRenderer(job).light(job.frames[0], job.camera).mean(axis=-1)

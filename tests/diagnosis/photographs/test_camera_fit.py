@@ -18,8 +18,14 @@ def measured(*images):
 
 
 @pytest.fixture(scope="module")
-def noisy():
-    return measured(*(photograph(k, blur_px=1.2, loss=0.3, shot=0.012, read=0.004) for k in range(4)))
+def grey():
+    return [photograph(k, blur_px=1.2, loss=0.3, shot=0.012, read=0.004) for k in range(4)]
+
+
+@pytest.fixture(scope="module")
+def noisy(grey):
+    """The same with a slight colour."""
+    return measured(*(image - np.array([2, 0, 0], np.uint8) for image in grey))
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +56,14 @@ def test_the_images_have_the_noise_of_the_photographs(noisy, fitted):
 def test_the_noise_is_right_with_a_camera_that_reduces_noise_and_has_a_colour_filter(noisy):
     camera = PLAIN.model_copy(update={"noise_reduction": 0.025, "colour_filter": "bayer", "colour_blur_px": 1.5})
     assert fit_camera(noisy, camera).measures.floor_noise == pytest.approx(CameraTarget.of(noisy).floor_noise, rel=0.1)
+
+
+def test_photographs_without_colours_are_of_a_monochrome_camera_with_their_noise(noisy, grey, fitted):
+    target = measured(*grey)
+    monochrome = fit_camera(target, PLAIN)
+    assert monochrome.look.colour_filter == "monochrome"
+    assert monochrome.measures.floor_noise == pytest.approx(CameraTarget.of(target).floor_noise, rel=0.1)
+    assert fitted.look.colour_filter == fit_camera(noisy, monochrome.look).look.colour_filter == "none"
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.6])
