@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
+from blender_scenes.render.job_file import job_sha256
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
 from pipeline.stages.simulate import DriveOutcome, simulate
@@ -23,7 +24,6 @@ from pipeline.work.units import AnyUnit, RenderUnit
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.child_process import Finished
-from symolo.core.files.file_hashes import sha256_of
 from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 
@@ -165,7 +165,7 @@ def _shared_release(
 
 def _paint_noise(unit: RenderUnit) -> None:
     """In place of Blender: noise of its own for each frame of each camera."""
-    ledger = Ledger(unit.folder, sha256_of(unit.job))
+    ledger = Ledger(unit.folder, job_sha256(unit.job))
     for number in unit.numbers:
         rng = np.random.default_rng([number, *unit.folder.as_posix().encode()[-40:]])
         data = encode_jpeg(rng.integers(0, 256, (24, 32, 3), dtype=np.uint8), 92)
@@ -176,7 +176,7 @@ def _paint_noise(unit: RenderUnit) -> None:
 def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
     """In place of Blender: a grey image of 32 x 24 pixels for each frame, with a stated class of processor."""
     data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
-    ledger = Ledger(unit.folder, sha256_of(unit.job))
+    ledger = Ledger(unit.folder, job_sha256(unit.job))
     for number in unit.numbers:
         name = frame_name(number)
         digest = put_in_place(data, unit.folder / name, 32, 24)

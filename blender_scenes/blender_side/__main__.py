@@ -14,13 +14,13 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.job_file import read_job
 from blender_scenes.render.protocol import FrameBegun, FrameDone, ProbeStep, Ready, RenderRequest
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.lens_warp import field_of_view
 from sensors.camera.response import develop, encode_jpeg
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking
-from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import lacking
 from symolo.dataset.layout import frame_name
 
@@ -55,7 +55,7 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import build, choice, engine  # noqa: PLC0415 - they import bpy
 
     begin = time.perf_counter()
-    text = read_file(Path(request.job_path), FileKind.JOB)
+    text = read_job(Path(request.job_path))
     job = RenderJob.from_json(text.decode())
     views = {view.number: view for view in job.frames}
     build.start()
@@ -81,7 +81,7 @@ def _annotate(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     from blender_scenes.blender_side import annotate  # noqa: PLC0415 - it imports bpy
 
     begin = time.perf_counter()
-    job = AnnotationJob.from_json(read_file(Path(request.job_path), FileKind.JOB).decode())
+    job = AnnotationJob.from_json(read_job(Path(request.job_path)).decode())
     views = {view.number: view for view in job.frames}
     annotate.start(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))

@@ -10,13 +10,13 @@ from pathlib import Path
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.render.frame_files import FrameFile, Ledger
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.job_file import read_job
 from blender_scenes.render.probe import LADDER, is_decided
 from blender_scenes.render.protocol import MESSAGES, FrameBegun, FrameDone, RenderRequest, Work
 from blender_scenes.render.surroundings import without_blender_settings
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder
-from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.files.scratch_folders import scratch_folder
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
@@ -77,7 +77,7 @@ def render_job(
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
-    text = read_file(job_path, FileKind.JOB)
+    text = read_job(job_path)
     job = _JOBS[work].from_json(text.decode())
     known = [view.number for view in job.frames]
     requested = sorted(set(known if numbers is None else numbers))
@@ -120,7 +120,7 @@ def render_job(
 
 def seed_of(job_path: Path, work: Work) -> int:
     """Return the seed from which the frames of a job draw their noise, by their numbers."""
-    return _JOBS[work].from_json(read_file(job_path, FileKind.JOB).decode("utf-8")).sampling.seed
+    return _JOBS[work].from_json(read_job(job_path).decode()).sampling.seed
 
 
 def _blender_files(

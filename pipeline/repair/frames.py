@@ -8,16 +8,18 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.record import FrameRecord
+from blender_scenes.render.job_file import job_path, read_job
+from blender_scenes.render.job_file import write_job as write_job_file
 from configs.schema.scenario import SceneSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.render import IMAGES, JOB, Appearance, FrameJob, FrameTask, RenderTask, blocks
+from pipeline.stages.render import IMAGES, Appearance, FrameJob, FrameTask, RenderTask, blocks
 from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
-from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.atomic_files import make_folder
 from symolo.core.files.file_hashes import holds
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
@@ -109,7 +111,7 @@ def check_user_images(spec: SceneSpec, folder: Path) -> None:
 def write_job(frame_job: FrameJob) -> None:
     """Write the job of a task into its folder."""
     make_folder(frame_job.task.files)
-    write_file(frame_job.task.folder.path / JOB, frame_job.job_text.encode())
+    write_job_file(frame_job.task.folder.path, frame_job.job_text)
 
 
 def only_frames(task: FrameTask, files: Iterable[str]) -> FrameTask:
@@ -134,7 +136,7 @@ def render_tasks(tasks: list[FrameTask], workers: int, report: Report) -> None:
 
 
 def _document(task: FrameTask) -> bytes:
-    job = AnnotationJob.from_json(read_file(task.folder.path / JOB, FileKind.JOB).decode())
+    job = AnnotationJob.from_json(read_job(job_path(task.folder.path)).decode())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
     return document(job, IMAGES, records).to_json()

@@ -10,6 +10,7 @@ from zipfile import BadZipFile
 from pydantic import ValidationError
 
 from blender_scenes.render.frame_files import Ledger
+from blender_scenes.render.job_file import job_path
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, first_changes
@@ -19,7 +20,7 @@ from pipeline.run_folder.worker import Worker, worker_of
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.cameras import RunCamera, cameras_of
-from pipeline.stages.render import IMAGES, JOB, journal
+from pipeline.stages.render import IMAGES, journal
 from pipeline.stages.run_tables import stage_rows
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from pipeline.user_code import hashes_of_files, not_loaded
@@ -354,7 +355,7 @@ def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
     further = workspace.out / STAGES / CAMERAS
     for camera in ("", *(sorted(path.name for path in further.iterdir()) if further.is_dir() else ())):
         for folder, name in ((workspace.render(run, camera), IMAGES), (workspace.annotate(run, camera), ANNOTATIONS)):
-            if (folder.path / JOB).is_file():
+            if job_path(folder.path).is_file():
                 yield name, journal(folder, name)
 
 

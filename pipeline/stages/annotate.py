@@ -7,6 +7,7 @@ from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.job_file import job_path, read_job
 from pipeline.run_folder.workspace import StageFolder, Workspace, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameJob, FrameTask, ImageFindings, journal
 from pipeline.stages.rendering_facts import Rendered
@@ -27,7 +28,7 @@ class AnnotationTask(FrameTask):
     def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> FrameJob:
         """Return the task with its job for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
-        rendered = RenderJob.from_json(read_file(images.folder.path / JOB, FileKind.JOB).decode())
+        rendered = RenderJob.from_json(read_job(job_path(images.folder.path)).decode())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
         return cls.frame_job(images.run, folder, job, images.frames, camera=images.camera)
 
@@ -46,7 +47,7 @@ class AnnotationTask(FrameTask):
         return ImageFindings()
 
     def _job(self) -> AnnotationJob:
-        return AnnotationJob.from_json(read_file(self.folder.path / JOB, FileKind.JOB).decode())
+        return AnnotationJob.from_json(read_job(job_path(self.folder.path)).decode())
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:

@@ -12,6 +12,7 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.frame_files import Ledger
 from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.job_file import job_path, job_sha256, write_job
 from blender_scenes.render.probe import is_decided
 from blender_scenes.render.protocol import Work
 from blender_scenes.render.sampling import TracingSettings
@@ -362,7 +363,7 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
         RenderUnit(
             work=task.WORK,
             name=task.name,
-            job=task.folder.path / JOB,
+            job=job_path(task.folder.path),
             folder=task.files,
             numbers=numbers,
             threads=threads,
@@ -383,10 +384,10 @@ def _prepare(frame_job: FrameJob) -> None:
         make_folder(task.files)
         for name in (DONE, FAILED):
             remove_file(path / name)
-        write_file(path / JOB, frame_job.job_text.encode())
+        write_job(path, frame_job.job_text)
         write_file(path / INPUTS, inputs)
 
 
 def journal(folder: StageFolder, files: str) -> Ledger:
     """Return the journal of a folder whose job is written; `files` is the folder within it that is filled."""
-    return Ledger(folder.path / files, sha256_of(folder.path / JOB))
+    return Ledger(folder.path / files, job_sha256(job_path(folder.path)))

@@ -17,15 +17,16 @@ import cv2
 import numpy as np
 import pytest
 
+from blender_scenes.render.job_file import write_job
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of
-from pipeline.stages.render import JOB, RenderTask
+from pipeline.stages.render import RenderTask
 from pipeline.stages.simulate_runs import read_recording, simulate_into, simulation_key
-from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.atomic_files import make_folder
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.progress import LineReport
 from symolo.dataset.tables.rows import Rows
@@ -185,7 +186,7 @@ def release(tmp_path_factory: pytest.TempPathFactory) -> Path:
             rows = Rows.from_recording(read_recording(path))
             order = RenderTask.of_camera(cameras_of(spec)[0], rows, workspace.render(spec.key))
             make_folder(order.task.files)
-            write_file(order.task.folder.path / JOB, order.job_text.encode())
+            write_job(order.task.folder.path, order.job_text)
             hashes = {}
             for name in order.task.names():
                 cv2.imwrite(str(order.task.files / name), rng.integers(30, 220, (24, 32, 3), dtype=np.uint8))

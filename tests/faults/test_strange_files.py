@@ -35,7 +35,7 @@ FILES = (
     f".stages/simulate/{RUN}/outcome.json",
     f".stages/simulate/{RUN}/spec.json",
     f".stages/simulate/{RUN}/trajectory.npz",
-    f".stages/render/{RUN}/job.json",
+    f".stages/render/{RUN}/job.json.gz",
     f".stages/render/{RUN}/done.json",
     f".stages/assemble/{RUN}/done.json",
     ".stages/assemble/metadata.json",

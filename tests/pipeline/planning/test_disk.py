@@ -11,12 +11,12 @@ from pipeline.planning.plan import ScenarioPlan
 
 @pytest.mark.parametrize("annotations", ["[]", "[depth]"])
 def test_the_stages_have_a_copy_of_the_dataset_and_a_job_for_each_rendering(annotations):
-    """A row takes 600 bytes, an image 4096 and 0.2 for each pixel, its annotations 0.6 more, and a job 3.5 MB."""
+    """A row takes 600 bytes, an image 4096 and 0.2 for each pixel, its annotations 0.6 more, and a job 0.5 MB."""
     plan = ScenarioPlan.of(draw_all(load_scenario("smoke", [f"render.annotations={annotations}"])), 1)
     per_pixel, jobs = (0.8, 2) if annotations != "[]" else (0.2, 1)
     images, rows = plan.images, sum(run.rows for run in plan.runs)
     assert plan.dataset_bytes == pytest.approx(600 * rows + images * (4096 + 160 * 120 * per_pixel), rel=1e-6)
-    assert plan.bytes_needed == pytest.approx(2 * plan.dataset_bytes + 2 * jobs * 3.5e6, rel=1e-6)
+    assert plan.bytes_needed == pytest.approx(2 * plan.dataset_bytes + 2 * jobs * 0.5e6, rel=1e-6)
 
 
 def test_a_plan_states_the_size_of_the_dataset_and_that_of_the_stages(symolo):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symolo as symolo_reader
+from blender_scenes.render.job_file import job_path, read_job
 from pipeline.cli import main
 from pipeline.rerendering.rerender import RerenderRequest
 from pipeline.run_folder.workspace import Workspace
@@ -315,7 +316,7 @@ def test_a_part_of_a_dataset_is_answered_by_what_to_type(dataset, tmp_path, symo
 def test_every_piece_of_furniture_is_recorded_as_it_was_rendered(dataset, again):
     """side/scene.json against the meshes of the job; what furniture there can be by the look's own fields."""
     scene = json.loads((again / RUN / "side/scene.json").read_text())
-    job = json.loads((again / ".stages/render" / RUN / "job.json").read_text())
+    job = json.loads(read_job(job_path(again / ".stages/render" / RUN)))
     meshes = {mesh["name"]: mesh for mesh in job["scene"]["meshes"]}
     sides = "east|north|west|south|window"
     of_the_room = rf"(?:blinds|ceiling|floor|(?:{sides}|desk_lamp|lamp|tape|paint|wall|obstacle)_.*)"

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+from blender_scenes.render.job_file import job_path, read_job
 from configs.draw import draw_look
 from configs.loader import load_section
 from pipeline.executors.local import Local
@@ -75,8 +76,9 @@ def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tm
     spec = json.loads((workspace.out / "CW/test_1/side/spec.json").read_text())
     recorded = spec["look"]["floor"]["image"]["file"]
     assert (recorded["name"], recorded["sha256"]) == ("floor.png", sha256(RED))
-    for name in ("metadata.json", "CW/test_1/side/spec.json", ".stages/render/CW/test_1/job.json"):
-        assert str(tmp_path) not in (workspace.out / name).read_text()
+    texts = [(workspace.out / name).read_text() for name in ("metadata.json", "CW/test_1/side/spec.json")]
+    texts.append(read_job(job_path(workspace.render("CW/test_1").path)).decode())
+    assert all(str(tmp_path) not in text for text in texts)
 
 
 def test_a_changed_picture_is_another_job_and_a_renamed_one_is_not(dataset, own, tmp_path):

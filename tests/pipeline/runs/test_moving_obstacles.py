@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from blender_scenes.render.job_file import job_path, read_job
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
@@ -100,7 +101,7 @@ def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(movin
         assert (out / "CW/test_1" / name).read_bytes() == (run / name).read_bytes(), name
     assert (out / TABLE).read_bytes() == (moving / TABLE).read_bytes()
     assert list(verify(out)) == []
-    frames = json.loads((out / ".stages/render/CW/test_1/job.json").read_text())["frames"]
+    frames = json.loads(read_job(job_path(out / ".stages/render/CW/test_1")))["frames"]
     np.testing.assert_allclose([frame["moving"][0][0] for frame in frames], 0.95 - 0.5 * 0.2 * np.arange(6))
 
 

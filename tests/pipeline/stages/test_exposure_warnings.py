@@ -1,6 +1,5 @@
 """What the render stage and the dataset make of images on which little can be seen."""
 
-import hashlib
 import json
 import weakref
 from collections.abc import Iterator
@@ -13,6 +12,7 @@ import pytest
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
+from blender_scenes.render.job_file import job_path, job_sha256, read_job
 from blender_scenes.render.sampling import TracingSettings
 from configs.draw import draw_run
 from configs.loader import load_scenario
@@ -103,7 +103,7 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
     with pytest.raises(RunFailed):
         render_runs(frame_jobs(), Local(1), LineReport())
     assert len(made) == 6
-    assert all((tmp_path / f"{number}/job.json").read_text() == "{}" for number in range(1, 7))
+    assert all(read_job(job_path(tmp_path / f"{number}")) == b"{}" for number in range(1, 7))
 
 
 @pytest.mark.parametrize("black", [("CW/test_1",), ("CW/test_1", "CCW/test_1")])
@@ -114,7 +114,7 @@ def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
 
     def paint(units: list[RenderUnit], *_: object, **__: object) -> list[object]:
         for unit in units:
-            job = hashlib.sha256(unit.job.read_bytes()).hexdigest()
+            job = job_sha256(unit.job)
             for number in unit.numbers:
                 put_grey(unit.folder, job, number, 0 if unit.name in black else 128)
         return []
