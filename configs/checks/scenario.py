@@ -6,6 +6,7 @@ from typing import Any
 
 from configs.checks.arena import arena_faults
 from configs.checks.cameras import camera_faults, image_faults, lens_faults
+from configs.checks.generated_room import generated_room_faults
 from configs.checks.look import look_faults
 from configs.checks.motor_strength import strength_faults
 from configs.checks.robot import robot_faults
@@ -47,12 +48,12 @@ def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
 
 
 def check_splits(scenario: Scenario, root: Node) -> None:
-    """Refuse a division that the planned runs do not allow.
+    """Refuse a division that the planned runs do not allow. Arenas are known only when they are drawn.
 
     Raises:
         InputError: There are fewer groups than splits, or a run is not in exactly one split.
     """
-    if scenario.splits is not None:
+    if scenario.splits is not None and scenario.splits.by != "arena":
         look, robot, seed = scenario.look.name, scenario.robot.name, scenario.seed
         runs = (f"{route.name}/test_{run}" for route in scenario.routes for run in range(1, route.runs + 1))
         members = [SplitMember(run, look, robot, seed) for run in runs]
@@ -101,6 +102,7 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
     """Yield the contradictions in a scenario whose routes have these places in the file."""
     yield from _route_name_faults(scenario.routes)
     yield from arena_faults(scenario.arena)
+    yield from generated_room_faults(scenario.arena, scenario.robot)
     yield from robot_faults(scenario.robot, in_simulation=True)
     yield from lens_faults(scenario)
     yield from camera_faults(scenario)

@@ -16,6 +16,8 @@ from pipeline.stages.assembled_run import AssembledRun, assembled_run, cameras_w
 from pipeline.stages.cameras import RunCamera
 from pipeline.stages.run_tables import stage_tables
 from sensors.build import listed_sensors
+from symolo.arena.fingerprint import arena_fingerprint
+from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
@@ -129,11 +131,20 @@ def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[
     if tree.get("splits") is None:
         return None
     images = {record.run: range(1, record.images + 1) for record in records}
+    rule = Splits.model_validate(tree["splits"]).rule(specs[0].seed)
+    by_arena = rule.by == "arena"
     members = [
-        SplitMember(spec.key, spec.look.name, spec.robot.name, spec.seed, spec.origin, images.get(spec.key, ()))
+        SplitMember(
+            spec.key,
+            spec.look.name,
+            spec.robot.name,
+            spec.seed,
+            spec.origin,
+            images.get(spec.key, ()),
+            arena_fingerprint(Arena.from_config(spec.arena)) if by_arena else "",
+        )
         for spec in specs
     ]
-    rule = Splits.model_validate(tree["splits"]).rule(specs[0].seed)
     return assign(rule, members, METADATA).only(images)
 
 

@@ -43,6 +43,8 @@ class SplitMember:
     origin: Origin | None = None
     images: Sequence[int] = ()
     """Numbers of the images; they matter only for splits by image."""
+    arena: str = ""
+    """Fingerprint of the arena; it matters only for splits by arena."""
 
     @property
     def trajectory(self) -> str:
@@ -57,6 +59,7 @@ class SplitMember:
             "route": self.trajectory.rpartition("/")[0],
             "look": self.look,
             "robot": self.robot,
+            "arena": self.arena,
             "seed": str(self.seed),
             "image": self.run,
         }
@@ -187,8 +190,11 @@ def _divided(
 
 def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, float], where: str) -> InputError:
     listed = _some(names)
-    one = {"look": "the same look", "robot": "the same robot", "seed": "the same seed", "route": "the same route"}
-    groups = f"all runs have {one[by]} ({listed})" if len(names) == 1 and by in one else f"the groups are {listed}"
+    groups = f"the groups are {listed}"
+    if by == "arena":
+        groups = "all runs have the same arena" if len(names) == 1 else "runs with the same arena are one group"
+    elif len(names) == 1 and by in {"look", "robot", "seed", "route"}:
+        groups = f"all runs have the same {by} ({listed})"
     too_few = f"{plural(len(names), 'group')} {'is' if len(names) == 1 else 'are'} too few"
     return InputError(
         f"splits.by: {too_few} for {plural(len(shares), 'split')}: {groups}",

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symolo.arena.fingerprint import arena_fingerprint
+from symolo.arena.geometry import Arena
 from symolo.dataset.annotations import CATEGORIES
 from symolo.dataset.documents.robots import SimulatedRobots, robot_of_run
 from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
@@ -152,7 +154,7 @@ def _add_run(content: SplitContent, run: Run, images: Sequence[Image], diagnosis
     content.routes[run.spec.route] = None
     content.looks[run.spec.look.name] = None
     content.robots[robot_of_run(run.spec.robot.name, run.spec.drawn, diagnosis)] = None
-    content.arenas.add(run.spec.arena.model_dump_json())
+    content.arenas.add(arena_fingerprint(Arena.from_config(run.spec.arena)))
     if images and "v" in run.table.columns:
         speeds = run.image_table.twist[[image.index for image in images], 0]
         known = speeds[np.isfinite(speeds)]

@@ -7,13 +7,14 @@ import numpy as np
 
 from pipeline.baselines.base import NO_IMAGES, Method, TrainingRun
 from pipeline.baselines.learned.heat_map import PoseLikelihood
-from pipeline.baselines.learned.model import LocalisationModel, arena_fingerprint, run_fingerprint
+from pipeline.baselines.learned.model import LocalisationModel, run_fingerprint
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import heat_maps, pytorch
 from pipeline.baselines.motion import rolled_distances_m
 from pipeline.baselines.particles import ParticleCloud
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from pipeline.baselines.runs import LoggedRun
+from symolo.arena.fingerprint import arena_fingerprint
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.progress import plural

@@ -13,7 +13,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from configs.schema.scenario import RunSpec
 from pipeline.baselines.learned.heat_map import PoseGrid, PoseLikelihood
-from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import canonical_json
@@ -119,17 +118,6 @@ def _check_cells(grid: PoseGrid, cells: Numbers, prior: Array, path: Path) -> No
         raise InputError("has cells that do not fit its grid", where=str(path), cure=_CURE)
     if not (np.all(prior >= 0.0) and abs(prior.sum() - 1.0) < 1e-6):
         raise InputError("has a prior that is no distribution", where=str(path), cure=_CURE)
-
-
-def arena_fingerprint(arena: Arena) -> str:
-    """Return the SHA-256 of the shapes of line, walls and obstacles, to a tenth of a millimetre.
-
-    Colours and reflectances do not count: robots meet the same arena under another look.
-    """
-    edges = [side for pair in arena.line.edges() for side in pair]
-    boxes = sorted(np.round(box.footprint(), 4).tolist() for box in arena.boxes)
-    shapes = {"line": [(np.round(side, 4) + 0.0).tolist() for side in edges], "boxes": boxes}
-    return hashlib.sha256(canonical_json(shapes)).hexdigest()
 
 
 def run_fingerprint(spec: RunSpec) -> str:

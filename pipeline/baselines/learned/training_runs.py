@@ -11,13 +11,13 @@ from pipeline.baselines.learned.model import (
     Input,
     LocalisationModel,
     ModelDescription,
-    arena_fingerprint,
     run_fingerprint,
 )
 from pipeline.baselines.learned.readings import NetworkReadings, check_shape, knowledge_of
 from pipeline.baselines.learned.torch_side.network import pytorch
 from pipeline.baselines.learned.torch_side.training import Samples, TrainedNetwork, train
 from pipeline.baselines.runs import LoggedRun
+from symolo.arena.fingerprint import arena_fingerprint
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream

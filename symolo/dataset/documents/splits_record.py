@@ -11,7 +11,7 @@ from symolo.dataset.documents.record import Record
 SplitName = Literal["train", "validation", "test"]
 SPLIT_NAMES: tuple[SplitName, ...] = get_args(SplitName)
 """Splits in the order in which every output lists them."""
-Grouping = Literal["run", "route", "look", "robot", "seed", "image"]
+Grouping = Literal["run", "route", "look", "robot", "arena", "seed", "image"]
 """Properties by which runs are grouped; `image` divides runs."""
 Stratum = Literal["route", "look", "robot"]
 """Properties whose values may be mixed alike in all splits."""

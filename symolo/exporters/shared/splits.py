@@ -6,8 +6,10 @@ from itertools import groupby
 
 import numpy as np
 
+from symolo.arena.fingerprint import arena_fingerprint
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
-from symolo.dataset.documents.splits_record import SplitName, SplitsRecord
+from symolo.dataset.documents.splits_record import Grouping, SplitName, SplitsRecord
 from symolo.dataset.layout import camera_folder
 from symolo.dataset.splits import SplitMember, SplitRule, assign
 from symolo.reader.camera_run import CameraRun
@@ -41,7 +43,7 @@ def divided(data: Dataset, rule: SplitRule | None) -> Dataset:
     """
     splits = None
     if rule is not None:
-        members = [_member(run, has_images=rule.by == "image") for run in data.runs]
+        members = [_member(run, rule.by) for run in data.runs]
         splits = assign(rule, members, OPTION)
     return _with_splits(data, splits)
 
@@ -73,10 +75,11 @@ def _failures(data: Dataset) -> str:
     return f": {', '.join(failed[:MAX_FAILED])}{more} failed when the dataset was made" if failed else ""
 
 
-def _member(run: Run, *, has_images: bool) -> SplitMember:
+def _member(run: Run, by: Grouping | None) -> SplitMember:
     """Return the properties of a run; data.csv is read only for the numbers of its images."""
-    spec, numbers = run.spec, run.numbers if has_images else ()
-    return SplitMember(run.name, spec.look.name, spec.robot.name, spec.seed, spec.origin, numbers)
+    spec, numbers = run.spec, run.numbers if by == "image" else ()
+    arena = arena_fingerprint(Arena.from_config(spec.arena)) if by == "arena" else ""
+    return SplitMember(run.name, spec.look.name, spec.robot.name, spec.seed, spec.origin, numbers, arena)
 
 
 def _with_splits(data: Dataset, splits: SplitsRecord | None) -> Dataset:

@@ -38,3 +38,37 @@ def test_a_run_that_failed_leaves_the_splits_of_the_others():
     assert record.only({"A/test_1", "A/test_3"}).runs == {"train": ("A/test_1",), "test": ("A/test_3",)}
     assert record.only({"A/test_1"}).runs == {"train": ("A/test_1",), "test": ()}
     assert (record.empty, record.only({"A/test_1"}).empty) == ((), ("test",))
+
+
+def drawn(*widths_mm: int) -> list[str]:
+    """Return the settings of four runs without images whose line has one of these widths."""
+    widths = ", ".join(f"{0.001 * width:g}" for width in widths_mm)
+    routes = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 4}]"
+    rule = "splits={by: arena, shares: {train: 0.5, test: 0.5}}"
+    settings = (
+        f"arena.line.width_m={{choice: [{widths}]}}",
+        routes,
+        rule,
+        "rates.camera_hz=0",
+        "stop.time_limit_s=0.2",
+    )
+    return [f"--set={setting}" for setting in settings]
+
+
+def test_runs_in_the_same_drawn_arena_are_in_one_split(tmp_path, symolo):
+    out = tmp_path / "data"
+    assert symolo("release", "smoke", "--out", out, *drawn(15, 19), "--workers", 1).code == 0
+    runs = json.loads((out / "metadata.json").read_text())["splits"]["runs"]
+    specs = {run: json.loads((out / run / "side/spec.json").read_text()) for ones in runs.values() for run in ones}
+    widths = {name: {specs[run]["arena"]["line"]["width_m"] for run in ones} for name, ones in runs.items()}
+    assert widths in ({"train": {0.015}, "test": {0.019}}, {"train": {0.019}, "test": {0.015}})
+    exported = symolo("export", out, "--format", "parquet", "--splits", drawn(15)[2][13:], "--out", tmp_path / "out")
+    assert exported.code == 0
+    assert json.loads((tmp_path / "out/export.json").read_text())["splits"]["runs"] == runs
+
+
+def test_too_few_drawn_arenas_are_refused_before_anything_is_simulated(tmp_path, symolo):
+    ended = symolo("release", "smoke", "--out", tmp_path / "data", *drawn(15, 15))
+    assert ended.code == 2
+    assert "1 group is too few for 2 splits: all runs have the same arena: got 'arena'" in ended.err
+    assert not (tmp_path / "data").exists()

@@ -56,11 +56,11 @@ def test_over_many_seeds_each_run_is_tested_as_often_as_its_share():
     assert all(abs(counts[run.run] - 60) < spread for run in members())
 
 
-@pytest.mark.parametrize("grouping", ["route", "look", "robot", "seed"])
+@pytest.mark.parametrize("grouping", ["route", "look", "robot", "arena", "seed"])
 def test_no_group_is_divided(grouping):
     """Runs of three looks, robots and seeds, and of three routes."""
     runs = [
-        SplitMember(f"{route}/test_{n}", f"look{group}", f"robot{group}", group)
+        SplitMember(f"{route}/test_{n}", f"look{group}", f"robot{group}", group, arena=f"{group}" * 64)
         for group, route in enumerate("ABC")
         for n in range(1, 5)
     ]
@@ -112,6 +112,7 @@ def test_listed_runs_are_in_the_split_of_their_pattern():
     [
         (by("look"), "1 group is too few for 3 splits: all runs have the same look (lab)"),
         (by("route"), "2 groups are too few for 3 splits: the groups are A, B: got 'route'"),
+        (by("arena"), "1 group is too few for 3 splits: all runs have the same arena: got 'arena'"),
         (by("image"), "0 images for 3 splits; remove shares, or make more images"),
         (SplitRule(None, {}, {"train": ("A/*",)}, 1), "splits.runs: B/test_1, B/test_2 are in no split; add"),
         (

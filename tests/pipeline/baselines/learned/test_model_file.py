@@ -8,7 +8,8 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.baselines.learned.model import arena_fingerprint, read_model
+from pipeline.baselines.learned.model import read_model
+from symolo.arena.fingerprint import arena_fingerprint
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 
