@@ -2,9 +2,12 @@
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 
 from pydantic import ValidationError
 
+from configs.checks.look import exposure_faults
+from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.robot import Camera
 from configs.schema.scenario import Render, Scenario, SceneSpec
 from configs.validation.faults import ConfigFault
@@ -36,6 +39,10 @@ def camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
             yield ConfigFault(("robot", "sensors", name), first["msg"])
+        response = CameraLook.model_validate_json(json.dumps(specification["look"]["camera"]))
+        if not scenario.look.camera.manual_exposure or scenario.look.camera.exposure_time_s:
+            for fault in exposure_faults(response):
+                yield replace(fault, path=("robot", "sensors", name, "exposure_time_s"))
 
 
 def image_faults(scenario: Scenario) -> Iterator[ConfigFault]:

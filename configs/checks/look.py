@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.appearance.look import LookConfig
 from configs.validation.faults import ConfigFault
 from symolo.core.yaml.tree import FieldPath
@@ -11,11 +12,20 @@ LINTEL_M = 0.1
 MIN_WINDOW_M = 0.2
 
 
+def exposure_faults(camera: CameraLook) -> Iterator[ConfigFault]:
+    """Yield a manual exposure that takes no time."""
+    if camera.manual_exposure is not None and not camera.exposure_time_s:
+        allowed = "more than 0 with manual_exposure, such as 0.01 for 1/100 s"
+        path: FieldPath = ("look", "camera", "exposure_time_s")
+        yield ConfigFault(path, got=camera.exposure_time_s, allowed=allowed, against=(*path[:2], "manual_exposure"))
+
+
 def look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     """Yield what is wrong with a look, whatever arena it shows."""
     if look.floor.material == "image" and look.floor.image.file is None:
         cure = "name an image in the folder of look.assets, or choose another look.floor.material"
         yield ConfigFault(("look", "floor", "image", "file"), "missing, because the floor is an image", cure=cure)
+    yield from exposure_faults(look.camera)
     max_sill_m = look.room.height_m - LINTEL_M - MIN_WINDOW_M
     if look.window.sill_m > max_sill_m + 1e-9:
         problem = "the window does not fit below the ceiling"

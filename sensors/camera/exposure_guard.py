@@ -13,10 +13,11 @@ ALL = 0.99
 NOWHERE: Mapping[str, str] = MappingProxyType({})
 
 _CURES = {
-    "black": "raise look.camera.compensation_ev or brightness, bring look.camera.exposure_adaption nearer to 1, or give"
-    " the look more light (lamps.flux_klm, sky.luminance_kcd_m2)",
+    "black": "raise look.camera.compensation_ev or brightness, bring look.camera.exposure_adaption nearer to 1 (with"
+    " manual exposure: raise exposure_time_s or iso), or give the look more light (lamps.flux_klm,"
+    " sky.luminance_kcd_m2)",
     "burnt": "lower look.camera.compensation_ev, brightness or contrast, or bring look.camera.exposure_adaption nearer"
-    " to 1",
+    " to 1 (with manual exposure: lower exposure_time_s or iso)",
 }
 
 

@@ -61,6 +61,8 @@ class CameraResponse:
     colour_blur_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
     shading_right_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
     shading_down_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    manual_gain: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    """Linear pixel value of a luminance of 1 kcd/m2 with manual exposure; 0 is automatic exposure."""
 
     @classmethod
     def from_look(
@@ -97,6 +99,7 @@ class CameraResponse:
             colour_blur_px=look.colour_blur_px,
             shading_right_ev=look.shading_right_ev,
             shading_down_ev=look.shading_down_ev,
+            manual_gain=_manual_gain(look),
         )
 
 
@@ -112,6 +115,18 @@ def _white_balance(look: CameraLook, light: RGB) -> RGB:
     share = look.white_balance_adaption
     white = (fixed / fixed[1]) ** (1 - share) * (actual / actual[1]) ** share
     return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
+
+
+def _manual_gain(look: CameraLook) -> float:
+    """Return the linear pixel value of a luminance of 1 kcd/m2 with manual exposure; 0 if the exposure is automatic.
+
+    A sensor of ISO speed S saturates at an exposure of 78 / S lx s (ISO 12232). A lens of f-number N gives an area of
+    luminance L the illuminance 0.65 L / N^2 in the image.
+    """
+    if look.manual_exposure is None:
+        return 0.0
+    exposure_kilo = 1000.0 * 0.65 * look.exposure_time_s / look.manual_exposure.f_number**2
+    return exposure_kilo * look.manual_exposure.iso / 78.0 * 2.0**look.compensation_ev
 
 
 def median_luminance(light: FloatImage) -> float:
@@ -132,7 +147,12 @@ def _median_luminance(light: FloatImage) -> float:
 
 def white_level(metered: float, response: CameraResponse) -> float:
     """Return the luminance that the exposure of a run renders white; `metered` is the median of the run."""
-    return metered / response.brightness
+    return 1.0 / response.manual_gain if response.manual_gain else metered / response.brightness
+
+
+def _run_gain(metered: float, response: CameraResponse) -> float:
+    """Return the linear pixel value of a unit of light with the exposure of a run."""
+    return response.manual_gain or response.brightness / metered
 
 
 def develop(
@@ -144,8 +164,8 @@ def develop(
 ) -> NDArray[np.uint8]:
     """Return the 8-bit RGB image (H, W, 3) of linear light (H, W, 3).
 
-    The exposure follows the median of the frame and `metered`, the median of the run. It never makes more than a small
-    share of the frame brighter than white.
+    Automatic exposure follows the median of the frame and `metered`, the median of the run. It never makes more than a
+    small share of the frame brighter than white.
 
     Args:
         light: Linear light.
@@ -156,15 +176,19 @@ def develop(
     """
     height, width, _ = light.shape
     light = _through_glass(light, response)
+    gain = response.manual_gain or _automatic_gain(light if field is None else light[field], response, metered)
+    raw = light * np.float32(gain) * _transmitted(width, height, response)[..., None]
+    return (_grey_values(_balanced(raw, response, number), response) + 0.5).astype(np.uint8)
+
+
+def _automatic_gain(seen: FloatImage, response: CameraResponse, metered: float) -> float:
+    """Return the gain of automatic exposure for the light (..., 3) of a frame."""
     share = response.exposure_adaption
-    seen = light if field is None else light[field]
     frame_median = max(_median_luminance(seen), _DARKEST * metered)
     # The mean is geometric, because exposures are ratios. The gain is then limited, so that few pixels are overexposed.
     median = metered ** (1 - share) * frame_median**share
     highlights = float(np.quantile(seen @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
-    gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
-    raw = light * np.float32(gain) * _transmitted(width, height, response)[..., None]
-    return (_grey_values(_balanced(raw, response, number), response) + 0.5).astype(np.uint8)
+    return min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
 
 
 def develop_part(light: FloatImage, response: CameraResponse, metered: float, number: int | None) -> FloatImage:
@@ -172,7 +196,7 @@ def develop_part(light: FloatImage, response: CameraResponse, metered: float, nu
 
     It has the exposure of the run, and neither vignetting nor shading. With a `number` it has the noise of the sensor.
     """
-    raw = _through_glass(light, response) * np.float32(response.brightness / metered)
+    raw = _through_glass(light, response) * np.float32(_run_gain(metered, response))
     return _grey_values(_balanced(raw, response, number), response)
 
 

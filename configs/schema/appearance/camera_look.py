@@ -21,6 +21,19 @@ def is_unfiltered(value: ColourFilter) -> bool:
     return value == "none"
 
 
+class ManualExposure(Section):
+    """Manual exposure, which is the same in all images of all runs; its time is `exposure_time_s`.
+
+    A luminance of L cd/m2 has the linear value L t S / (120 N^2), with the time t, the speed S and the f-number N;
+    white is 1.
+    """
+
+    iso: float = Field(ge=1, le=1_000_000)
+    """ISO speed S, the gain of the sensor: ISO 200 is twice as bright as ISO 100. Noise does not follow it."""
+    f_number: float = Field(default=2.8, ge=0.5, le=64)
+    """F-number N of the lens, its focal length over its aperture: f/2.8 is 2.8. It affects only the brightness."""
+
+
 class CameraLook(Section):
     """Camera response, from the light on the sensor to the numbers in the image."""
 
@@ -35,8 +48,10 @@ class CameraLook(Section):
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
     """Adaption of the exposure: 0 is one exposure per run, metered on a few of its views; 1 meters each frame."""
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
-    """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness and noise
-    do not depend on it otherwise."""
+    """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness depends
+    on it only with `manual_exposure`, and noise does not."""
+    manual_exposure: ManualExposure | None = Field(default_factory=absent, exclude_if=lambda exposure: exposure is None)
+    """Manual exposure, in place of the automatic one with `brightness` and `exposure_adaption`."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
     """Colour temperature that is rendered neutral without automatic white balance."""
     white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
