@@ -15,6 +15,7 @@ from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import NO_STATE
 from symolo.pages.plotting import BLACK, GREY, svg
 from symolo.pages.states import STATE_STYLES, named, stretches
+from symolo.report.plots.labels import FONT_PT, Label, placed_labels
 from symolo.report.statistics.maps import RouteMap
 from symolo.report.statistics.run_facts import RunPath
 
@@ -25,10 +26,10 @@ _WIDTH_IN, _HIGHEST_IN = 6.0, 7.0
 _LABELS_IN, _TITLE_IN, _LEGEND_ROW_IN = 0.75, 0.9, 0.19
 """Space for the labels beside the panel, for title and labels above and below it, and for a row of the legend."""
 _LEGEND_COLUMNS = 3
-_ARROW_PT, _NAME_PT = 26.0, 8.0
+_POINTS_PER_IN = 72.0
+_ARROW_PT = 26.0
 _MARKED_M = 0.05
 """Radius around the start in which no number would be readable."""
-_SHORT_NAME = 3
 _GHOSTS = 4
 """Number of later places at which a moving obstacle is drawn."""
 _HALO = [withStroke(linewidth=2.5, foreground="white")]
@@ -36,6 +37,11 @@ _HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 def map_plot(one: RouteMap) -> bytes:
     """Return the map as SVG."""
+    return svg(map_figure(one))
+
+
+def map_figure(one: RouteMap) -> Figure:
+    """Return the map."""
     low, high = _corners(one)
     width_m, height_m = (high - low).tolist()
     floor_in = (_WIDTH_IN - _LABELS_IN) / width_m * height_m
@@ -44,7 +50,13 @@ def map_plot(one: RouteMap) -> bytes:
     figure = Figure(figsize=(_WIDTH_IN, min(floor_in, _HIGHEST_IN) + around_in), layout="constrained")
     _panel(figure.subplots(), one)
     figure.legend(handles=handles, loc="outside lower center", ncols=_LEGEND_COLUMNS, fontsize="small", frameon=False)
-    return svg(figure)
+    return figure
+
+
+def _scale(low: Array, high: Array) -> float:
+    """Return about how many points a metre takes on the map."""
+    width_m, height_m = (high - low).tolist()
+    return _POINTS_PER_IN * min((_WIDTH_IN - _LABELS_IN) / width_m, _HIGHEST_IN / height_m)
 
 
 def _corners(one: RouteMap) -> tuple[Array, Array]:
@@ -63,7 +75,9 @@ def _panel(axes: Axes, one: RouteMap) -> None:
     for left, right in one.arena.line.edges():
         axes.add_patch(Polygon(np.concatenate((left, right[::-1])), facecolor=_TAPE, edgecolor="none", zorder=1))
     for box in one.arena.boxes:
-        _box(axes, box, one.duration_s, 0.5 * (low + high))
+        _box(axes, box, one.duration_s)
+    for label in placed_labels(one.arena.boxes, low, high, _scale(low, high)):
+        _name(axes, label)
     for number, facts in enumerate(one.runs):
         if facts.path is not None:
             _path(axes, facts.path, numbered=number == 0)
@@ -77,7 +91,7 @@ def _panel(axes: Axes, one: RouteMap) -> None:
     axes.set_axisbelow(True)
 
 
-def _box(axes: Axes, box: Box, duration_s: float, middle: Array) -> None:
+def _box(axes: Axes, box: Box, duration_s: float) -> None:
     face, hatch = (_WALL, None) if box.kind == "wall" else (_OBSTACLE, "////")
     corners = box.footprint()
     if box.motion is not None:
@@ -86,32 +100,19 @@ def _box(axes: Axes, box: Box, duration_s: float, middle: Array) -> None:
         for ghost in footprints(box, _times(duration_s)[1:]):
             axes.add_patch(Polygon(ghost, facecolor="none", edgecolor=GREY, linewidth=0.6, zorder=2))
     axes.add_patch(Polygon(corners, facecolor=face, edgecolor=BLACK, linewidth=0.8, hatch=hatch, zorder=3))
-    _name(axes, box, middle)
 
 
-def _name(axes: Axes, box: Box, middle: Array) -> None:
-    """Draw the name on the side that faces away from the middle of the arena, where fewer paths lead; along a wall."""
-    centre, turn = np.array(box.center[:2]), 0.0
-    if box.kind == "wall":
-        across = np.array([-np.sin(box.yaw_rad), np.cos(box.yaw_rad)])
-        sides = [(across, 0.5 * box.size[1]), (-across, 0.5 * box.size[1])]
-        turn = (np.degrees(box.yaw_rad) + 90.0) % 180.0 - 90.0
-    else:
-        x_m, y_m = np.abs(box.footprint() - centre).max(axis=0)
-        sides = [(np.array([0.0, 1.0]), y_m), (np.array([0.0, -1.0]), y_m)]
-        if len(box.name) <= _SHORT_NAME:  # a long one would lead out of the panel
-            sides += [(np.array([1.0, 0.0]), x_m), (np.array([-1.0, 0.0]), x_m)]
-    outwards, reach_m = max(sides, key=lambda side: float(side[0] @ (centre - middle)))
+def _name(axes: Axes, label: Label) -> None:
     axes.annotate(
-        box.name,
-        tuple((centre + reach_m * outwards).tolist()),
-        tuple((_NAME_PT * outwards).tolist()),
+        label.name,
+        label.anchor_m,
+        label.offset_pt,
         textcoords="offset points",
-        rotation=turn,
+        rotation=label.turn_deg,
         rotation_mode="anchor",
         ha="center",
         va="center_baseline",
-        fontsize=7,
+        fontsize=FONT_PT,
         zorder=7,
         path_effects=_HALO,
     )

@@ -1,16 +1,18 @@
 """Which runs share a map, and how obstacles stand on it."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from symolo.arena.geometry import Arena
 from symolo.reader.dataset import load
-from symolo.report.plots.map import footprints
-from symolo.report.statistics.maps import route_maps
+from symolo.report.plots.map import footprints, map_figure
+from symolo.report.statistics.maps import RouteMap, route_maps
 from symolo.report.statistics.run_facts import run_facts
 
 
@@ -57,3 +59,21 @@ def test_an_obstacle_that_moves_is_drawn_where_it_is_and_one_that_stands_once():
             side = corners[1] - corners[0]
             assert np.hypot(*side) == pytest.approx(box.size[0])
             assert np.exp(1j * yaw) == pytest.approx((side[0] + 1j * side[1]) / box.size[0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_name_of_an_obstacle_covers_another_one(seed):
+    """As Matplotlib draws them, in an arena with many boxes beside each other."""
+    loaded = load_scenario("random_arenas", [f"seed={seed}", "arena.generate.max_decoys=10"])
+    arena = Arena.from_config(draw_run(loaded, "Lap", 1).arena)
+    figure = map_figure(RouteMap("Lap", arena, (), 1.0))
+    FigureCanvasAgg(figure).draw()
+    boxes = {box.name for box in arena.boxes if box.kind == "obstacle"}
+    texts = [text for text in figure.axes[0].texts if text.get_text() in boxes]
+    areas = [text.get_window_extent() for text in texts]
+    assert len(areas) == len(boxes) > 4
+    assert not [
+        (one.get_text(), other.get_text())
+        for (one, area), (other, next_to) in combinations(zip(texts, areas, strict=True), 2)
+        if area.overlaps(next_to)
+    ]
