@@ -110,6 +110,9 @@ class ScenarioPlan:
     cameras: tuple[PlannedRun, ...]
     """The images of the further cameras, without rows."""
     cores: int
+    """Number of cores of the machine."""
+    workers: int | None = None
+    """Number of worker processes; None for one per core."""
     robots: str = ""
     """Source of the robots, if a scenario draws them from a diagnosis."""
     demands: tuple[str, ...] = ()
@@ -118,12 +121,14 @@ class ScenarioPlan:
     """Warnings about suspicious starts, lines and walls, each with the runs that it concerns."""
 
     @classmethod
-    def of(cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None) -> "ScenarioPlan":
+    def of(
+        cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None, workers: int | None = None
+    ) -> "ScenarioPlan":
         cameras = [(spec, camera) for spec in specs for camera in cameras_of(spec) or [RunCamera("", spec, 0.0)]]
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
         further = tuple(replace(run, rows=0) for name, run in planned if name)
-        return cls(runs, further, cores, source_line(like), demand_lines(like, specs), plan_warnings(specs))
+        return cls(runs, further, cores, workers, source_line(like), demand_lines(like, specs), plan_warnings(specs))
 
     def notes(self) -> Iterator[str]:
         """Yield what a user should know before the runs are simulated."""
@@ -152,11 +157,14 @@ class ScenarioPlan:
 
     @property
     def simulation_s(self) -> float:
-        return sum(run.duration_s for run in self.runs) / REAL_TIME_FACTOR / min(self.cores, len(self.runs))
+        at_a_time = min(self.cores, self.workers or self.cores, len(self.runs))
+        return sum(run.duration_s for run in self.runs) / REAL_TIME_FACTOR / at_a_time
 
     @property
     def render_s(self) -> float:
-        return sum(run.render_core_s for run in self._all) / self.cores
+        # Fewer workers have several threads each.
+        workers = min(self.cores, self.workers or self.cores)
+        return sum(run.render_core_s for run in self._all) / (workers * (self.cores // workers))
 
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
@@ -189,9 +197,10 @@ class ScenarioPlan:
             f"simulate   about {seconds(self.simulation_s)}",
             *([f"render     about {seconds(self.render_s)}"] if self.images else []),
         ]
+        by_workers = f"{plural(self.workers, 'worker')} on " if self.workers else ""
         assumed = (
-            f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds per second"
-            f" and core{self._tracing() if self.images else ''}"
+            f"Assumed: {by_workers}{self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds"
+            f" per second and core{self._tracing() if self.images else ''}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else ".")
         )
         return "\n".join([*lines, "", *wrap(assumed, WIDTH)])

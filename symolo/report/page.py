@@ -63,6 +63,8 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         contents=_contents(facts),
         origins=[(record.run, record.origin.text) for record in records if record.origin],
         columns=[(column.name, column.unit, column.meaning) for column in metadata.columns.get("data.csv", [])],
+        column_names={column.name for column in metadata.columns.get("data.csv", [])},
+        has_line=any(run.arena.line.pieces for run in facts.runs),
         mapped_runs=sum(run.path is not None for run in facts.runs),
         sensors=[_sensor(facts, number) for number in range(len(metadata.sensors))],
         camera_table=_camera_table(records, media.sensor_run),

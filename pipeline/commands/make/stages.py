@@ -57,6 +57,7 @@ def plan(
         ),
     ] = None,
     device: OnDevice = None,
+    workers: Workers = None,
     as_json: Json = False,
 ) -> None:
     """Show what a scenario will produce, its size and how long it takes. Nothing is written.
@@ -73,6 +74,8 @@ def plan(
 
     overrides = with_device(with_like(settings, like), device)
     if images is not None:
+        if workers is not None:
+            raise InputError("--workers", got=workers, cure="leave it out: the cost of --images is that of all cores")
         from pipeline.planning.price import measure
 
         price, about = measure(scenario, overrides, report_here())
@@ -84,7 +87,7 @@ def plan(
             typer.echo(price.text(images, about))
         return
     loaded = load_scenario(scenario, overrides)
-    planned = ScenarioPlan.of(draw_reported(loaded, report_here()), cores(), loaded.like)
+    planned = ScenarioPlan.of(draw_reported(loaded, report_here()), cores(), loaded.like, workers)
     if as_json:
         from pipeline.json_results.plan import PlanResult
 

@@ -108,6 +108,9 @@ def test_the_dataset_is_exported_reported_inspected_and_compared(imported, tmp_p
     page = (tmp_path / "report.html").read_text()
     assert "imported from run 1.csv (table)" in page
     assert ">nan<" not in page
+    assert "The logs have no states of a controller" in page
+    for absent in ("are states", "change of the state", "black is 0", "Farthest off the line"):
+        assert absent not in page
     assert symolo("view", root, "--out", tmp_path / "view.html").code == 0
     assert "forward speed v" in (tmp_path / "view.html").read_text()
     assert "yaw rate w" not in (tmp_path / "view.html").read_text()

@@ -23,3 +23,20 @@ def test_a_plan_states_the_size_of_the_dataset_and_that_of_the_stages(symolo):
     result = json.loads(symolo("plan", "smoke", "--json").out)
     data, whole = (round(result[name] / 1e6) for name in ("dataset_bytes", "bytes"))
     assert f"disk       about {whole} MB: {data} MB of data, the rest in .stages" in symolo("plan", "smoke").out
+
+
+def test_fewer_workers_simulate_fewer_runs_at_a_time_and_share_all_cores_when_they_render():
+    """Two runs of 6 s on 8 cores: at a time two, or one; 3 workers have 2 of 8 threads each, and 2 cores rest."""
+    specs = draw_all(load_scenario("smoke"))
+    all_cores, two, three, one = (ScenarioPlan.of(specs, 8, workers=workers) for workers in (None, 2, 3, 1))
+    assert two.simulation_s == all_cores.simulation_s == pytest.approx(0.5 * one.simulation_s)
+    assert one.render_s == two.render_s == all_cores.render_s == pytest.approx(6 / 8 * three.render_s)
+    assert ScenarioPlan.of(specs, 8, workers=64).render_s == all_cores.render_s
+    assert "Assumed: 1 worker on 8 cores without" in one.text()
+    assert "Assumed: 8 cores without" in all_cores.text()
+
+
+def test_plan_takes_the_workers_of_a_release(symolo):
+    assert "Assumed: 3 workers on " in symolo("plan", "smoke", "--workers", 3).out
+    ended = symolo("plan", "smoke", "--workers", 3, "--images", 50)
+    assert (ended.code, "--workers: got 3; leave it out" in ended.err) == (2, True)

@@ -217,3 +217,11 @@ def test_without_further_cameras_there_is_no_part_on_them(whole):
     root, html = whole
     assert camera_rows(load(root).runs[0]) == ()
     assert "What all cameras see" not in html
+
+
+def test_the_page_of_a_simulated_release_explains_states_ranges_and_the_line_sensor(whole):
+    _, html = whole
+    text = words(html)
+    assert "The logs have no states" not in text
+    for present in ("are states", "change of the state", "saw no target", "black is 0", "Farthest off the line:"):
+        assert present in text
