@@ -29,7 +29,7 @@ from symolo.core.child_process import Failed, Finished
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
 from symolo.core.files.plain_files import FileKind, read_file
-from symolo.core.progress import SECONDS_BETWEEN_LINES, Report, StageReport
+from symolo.core.progress import SECONDS_BETWEEN_LINES, Report, StageReport, time_left
 from symolo.dataset.layout import STAGES
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ def diagnose_cases(
     ]
     # How many hypotheses are fitted depends on what the fits show, so the share of a case says little about its rest.
     with report.stage("diagnose", len(units), "cases", is_even=False) as stage:
-        phase_lines = _PhaseLines(stage)
+        phase_lines = PhaseLines(stage, estimates=not settings.discover)
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Progress):
@@ -159,24 +159,34 @@ def diagnose_cases(
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
 
 
-class _PhaseLines:
-    """Prints each phase of the only case when it begins, and now and then what is fitted in it."""
+class PhaseLines:
+    """Prints each phase of the only case when it begins, and now and then what is fitted in it.
 
-    def __init__(self, stage: StageReport) -> None:
-        self._stage = stage
+    From the second phase on, the time left is estimated from the share of the time that the phases before it usually
+    take, if they took long. A search for a law takes an unknown time; with one, `estimates` is False.
+    """
+
+    def __init__(self, stage: StageReport, *, estimates: bool) -> None:
+        self._stage, self._estimates = stage, estimates
         self._begun: set[Phase] = set()
-        self._printed_s = time.monotonic()
+        self._started_s = self._printed_s = time.monotonic()
 
     def print(self, event: Progress) -> None:
         phase, now_s = Phase.at(event.share), time.monotonic()
         if phase not in self._begun:
             self._begun.add(phase)
-            self._stage.say(phase.title)
+            self._stage.say(f"{phase.title}{self._left(phase, now_s - self._started_s)}")
         elif event.text and now_s - self._printed_s >= SECONDS_BETWEEN_LINES:
             self._stage.say(f"{phase.title}: {event.text}")
         else:
             return
         self._printed_s = now_s
+
+    def _left(self, phase: Phase, passed_s: float) -> str:
+        """Return the time left when a phase begins, as the end of a line; empty if nothing is known about it."""
+        if not self._estimates or passed_s < SECONDS_BETWEEN_LINES or not phase.value:
+            return ""
+        return f"; about {time_left(passed_s, phase.value / 100)} left"
 
 
 def diagnosed_again(measurement: Measurement, settings: DiagnosisSettings, report: Report) -> "Diagnosis":

@@ -3,14 +3,15 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from configs.loader import load_scenario
 from diagnosis.progress import Phase
-from pipeline.diagnosing.diagnose import NamedCase, cases_of
+from pipeline.diagnosing.diagnose import NamedCase, PhaseLines, cases_of
 from pipeline.diagnosing.table import diagnosis_table
-from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
+from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from pipeline.work.worker_main import diagnose_case, do
 from symolo.core.errors import RunFailed
 
@@ -184,6 +185,22 @@ def test_a_diagnosis_reports_a_share_that_grows(benches, tmp_path, monkeypatch):
     assert shares == sorted(shares)
     assert Phase.PLOTS.value / 100 <= shares[-1] < 1.0
     assert any("fits remain of this round (" in text for text in texts)
+
+
+def test_phases_after_the_selection_state_the_time_left_of_a_long_diagnosis(monkeypatch):
+    """The selection is 45 % of the time: after 90 s, 110 s are left; at 85 % after 170 s, 30 s are."""
+    clock, lines = [0.0], []
+    monkeypatch.setattr("pipeline.diagnosing.diagnose.time.monotonic", lambda: clock[0])
+    stage = SimpleNamespace(say=lines.append)
+    for speed, estimates in ((1.0, True), (0.01, True), (1.0, False)):
+        clock[0] = 0.0
+        phases = PhaseLines(stage, estimates=estimates)
+        for phase, at_s in ((Phase.SELECTION, 1.0), (Phase.STRUCTURE, 90.0), (Phase.PLOTS, 170.0)):
+            clock[0] = speed * at_s
+            phases.print(Progress(share=phase.value / 100))
+    titles = [phase.title for phase in (Phase.SELECTION, Phase.STRUCTURE, Phase.PLOTS)]
+    assert lines[:3] == [titles[0], f"{titles[1]}; about 1 min 50 s left", f"{titles[2]}; about 30.0 s left"]
+    assert lines[3:6] == lines[6:] == titles
 
 
 def test_too_little_memory_for_one_of_several_cases_is_no_bug(tmp_path, monkeypatch):
