@@ -230,6 +230,19 @@ def test_a_piece_of_line_at_its_limits(piece, problems):
     assert [fault.problem for fault in arena_faults(arena([piece]))] == problems
 
 
+@pytest.mark.parametrize(("x_m", "asks"), [(12.0, True), (12.0 - LITTLE, False)])
+def test_beyond_three_times_the_floor_lengths_may_not_be_in_metres(x_m, asks):
+    """The floor ends at 4 m."""
+    (fault,) = arena_faults(arena(obstacles=[{"name": "O", "center": (x_m, 0.0), "size": (0.2, 0.2, 0.1)}]))
+    assert fault.cure.startswith("are the lengths of the arena in metres?") is asks
+
+
+@pytest.mark.parametrize(("diameter_m", "against"), [(0.012, "clearance_m"), (0.19, "length_m")])
+def test_a_wheel_is_too_small_for_the_clearance_or_too_large_for_the_length(robot, diameter_m, against):
+    (fault,) = robot_faults(changed(robot, {"drive.wheel_diameter_m": diameter_m}), in_simulation=True)
+    assert dotted(fault.against) == f"robot.chassis.{against}"
+
+
 def test_a_wall_of_a_millimetre_is_one():
     walls = [{"name": "A", "start": (0, 0), "end": (0, 0.001)}, {"name": "B", "start": (1, 0), "end": (1, 0.0009)}]
     assert paths(arena_faults(arena(walls=walls))) == ["arena.walls.1"]

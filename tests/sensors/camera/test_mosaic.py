@@ -5,7 +5,7 @@ import pytest
 
 from configs.schema.appearance.camera_look import CameraLook
 from sensors.camera.mosaic import colours, demosaiced, mosaic
-from sensors.camera.response import CameraResponse, develop
+from sensors.camera.response import CameraResponse, develop, develop_part
 
 SIZE = 256
 
@@ -96,6 +96,16 @@ def test_beside_a_lamp_pixels_are_as_dark_as_beside_a_step_to_white_and_no_darke
     image = _lamp(row, column, 1)
     assert image.min() == pytest.approx(255 * (1.055 * darkest ** (1 / 2.4) - 0.055), abs=6)
     assert image[row, column].max() == 255
+
+
+def test_a_colour_that_the_interpolation_makes_darker_than_black_is_black():
+    """Beside a red pixel of 8 times its light, a red pixel has -1/16 of that light in green and -6/64 in blue."""
+    light = np.zeros((16, 16, 3), np.float32)
+    light[8, 6, 0], light[8, 8, 0] = 0.4, 0.05
+    look = EXPOSED.model_copy(update={"saturation": 0.0})
+    image = develop_part(light, CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, 92), GREY, None)
+    grey = 255 * (1.055 * (0.2126 * 0.05) ** (1 / 2.4) - 0.055)  # red alone, by Rec. 709 and the curve of sRGB
+    assert image[8, 8] == pytest.approx([grey, grey, grey], rel=1e-3)
 
 
 @pytest.mark.parametrize("kelvin", [2500.0, 5000.0, 12000.0])

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
 
+from configs.effects.base import Effect, Slot
+from configs.effects.parameter import Parameter
 from configs.effects.robot_effects import RobotEffects
 from sensors.effects.range_sensor.range_gathering_time import RangeGatheringTime
 from sensors.effects.range_sensor.range_wander import RangeWander
@@ -134,6 +137,27 @@ def test_a_target_that_has_gone_at_the_sample_is_no_target_and_one_that_has_just
     sensor.subsample(wall(0.3, 0.45))
     assert sensor.sample(wall(1e9, 0.5))[0].tolist() == [2.0, TofStatus.NO_TARGET]
     assert sensor.sample(wall(0.3, 0.7))[0] == pytest.approx([0.3 + WHITE_M, TofStatus.VALID])
+
+
+class MixedWithLast(Effect):
+    slot = Slot.RANGE
+    cause = "a filter in the sensor"
+    excitation = "distances that change between the readings"
+
+    share: Annotated[float, Parameter("1", null=0.0, start=0.2, low=0.0, high=0.9)]
+
+    def apply(self, reading_m, view):
+        return reading_m + self.share * (view.previous_distance_m - view.distance_m)
+
+
+def test_an_effect_sees_the_distance_at_the_reading_before_and_at_the_first_one_the_present_one(
+    exact, arena_of, plane_world
+):
+    effects = RobotEffects().with_effect(MixedWithLast(share=0.25))
+    sensor = TofArray(exact, arena_of(), 1000, np.random.default_rng(0), effects)
+    walls = [plane_world(wall_x_m=exact.mounts.front.x_m + distance_m) for distance_m in (0.4, 0.6, 0.2)]
+    read_m = [sensor.sample(wall)[0, 0] - WHITE_M for wall in walls]
+    assert read_m == pytest.approx([0.4, 0.6 - 0.25 * 0.2, 0.2 + 0.25 * 0.4])
 
 
 class Deviates:

@@ -298,11 +298,50 @@ def test_of_two_pairs_held_out_rows_do_not_choose(evidence_of, fitted):
     assert not _is_better(worse, replace(best, z=np.where(evidence.heldout, 1.0, best.z)))
 
 
-def test_no_pairs_are_tried_beside_three_effects(evidence_of, hypothesis, effect, monkeypatch):
-    three: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1, 2, 3)))
-    monkeypatch.setattr(module, "grown", lambda *_: (three, []))
+@pytest.mark.parametrize("effects", [(), (1, 2, 3)], ids=["none", "three"])
+def test_no_pairs_are_tried_beside_three_effects_or_where_none_is_needed(
+    evidence_of, hypothesis, effect, monkeypatch, effects
+):
+    grown: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=effects))
+    monkeypatch.setattr(module, "grown", lambda *_: (grown, []))
     monkeypatch.setattr(module, "_best_pair", lambda *_: pytest.fail("pairs were tried"))
-    assert select(evidence_of(X, X), hypothesis, [effect("current_sensor_gain")]).fit is three
+    monkeypatch.setattr(module, "_pairs", lambda *_: pytest.fail("pairs were tried"))
+    assert select(evidence_of(X, X), hypothesis, [effect("current_sensor_gain")]).fit is grown
+
+
+@pytest.mark.parametrize(("samples", "searches_all"), [(2000, True), (2001, False)])
+def test_all_pairs_are_searched_with_up_to_2000_samples(
+    evidence_of, hypothesis, effect, monkeypatch, samples, searches_all
+):
+    searched = []
+    one: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=(1,)))
+    monkeypatch.setattr(module, "grown", lambda *_: (one, []))
+    monkeypatch.setattr(module, "_pairs", lambda *_: searched.append("all") or [])
+    monkeypatch.setattr(module, "_other_pairs", lambda *_: searched.append("in the place of two") or [])
+    x = np.linspace(-1.0, 1.0, samples + 30)
+    select(evidence_of(x, x, heldout=30), hypothesis, [effect("current_sensor_gain")])
+    assert searched == ["all" if searches_all else "in the place of two"]
+
+
+def test_no_pair_begins_with_an_effect_that_alone_explains_nothing(evidence_of, fitted, effect):
+    evidence = evidence_of(X, 1.4 * X)
+    effects = [effect(name) for name in ("current_sensor_gain", "current_sensor_offset")]
+    assert _pairs(evidence, fitted(evidence), effects) == []
+
+
+@pytest.mark.parametrize(("lower", "is_first"), [(0.04, True), (0.3, False), (41.0, False)])
+def test_the_pair_of_the_lowest_cost_is_the_best_and_of_equal_ones_the_first(
+    evidence_of, fitted, monkeypatch, lower, is_first
+):
+    """Costs are rounded to tenths, so that equal ones keep their order on every machine."""
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    monkeypatch.setattr(module, "refusal", lambda *_: "")
+    monkeypatch.setattr(module, "_cancels", lambda *_: False)
+    first = replace(fitted(evidence, "current_sensor_gain", "current_sensor_offset"), cost=100.0)
+    second = replace(fitted(evidence, "torque_constant_scale", "current_sensor_offset"), cost=100.0 - lower)
+    alone = replace(fitted(evidence, "current_sensor_gain"), cost=200.0)
+    best = _best_pair(evidence, fitted(evidence), [first, second], alone)
+    assert best is (first if is_first else second)
 
 
 @pytest.mark.parametrize(("tolerances", "numbers"), [(2.9, [0.5, 0.5]), (3.0, [0.5, 0.5, 1.0, 0.5])])
