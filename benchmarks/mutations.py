@@ -44,6 +44,7 @@ MOTOR = "tests/physics/drivetrain/test_motor.py"
 ARENAS = "tests/configs/test_arena_generation.py"
 CHECKS = (
     "tests/configs/test_limits.py",
+    "tests/configs/test_motor_strength.py",
     "tests/configs/test_bad_input.py",
     "tests/configs/test_draw.py",
     "tests/configs/test_splits.py",

@@ -1,13 +1,10 @@
 """Limits between several fields: what lies at the limit is accepted or refused, and what lies just beyond is not."""
 
-import math
-
 import numpy as np
 import pytest
 
 from configs.checks.arena import _outermost, arena_faults
 from configs.checks.look import look_faults
-from configs.checks.motor_strength import strength_faults
 from configs.checks.robot import robot_faults
 from configs.checks.scenario import _period_faults, _start_faults, check_robot
 from configs.draw import draw_look, draw_robot
@@ -17,6 +14,8 @@ from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArcPiece, ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route
+from sensors.bumper import BumperSettings
+from sensors.camera.further_camera import CameraSettings
 from sensors.effects.line_sensor.line_adc_saturation import LineAdcSaturation
 from sensors.effects.pose_log.pose_clock_drift import PoseClockDrift
 from sensors.ranging.ultrasonic import UltrasonicSettings
@@ -132,40 +131,6 @@ def test_either_a_board_or_a_controller_drives():
         load_scenario("symolo", [board, controller])
 
 
-STRONG = {
-    "chassis.mass_kg": 1.2,
-    "chassis.length_m": 0.2,
-    "chassis.base_height_m": 0.06,
-    "chassis.clearance_m": 0.01,
-    "motor.winding_resistance_ohm": 3.0,
-    "motor.viscous_friction_N_m_s_rad": 0.02,
-}
-"""Of a body that pitches with 1.2 / 12 * (0.2^2 + 0.05^2) = 4.25e-3 kg m2."""
-
-
-@pytest.mark.parametrize(("share", "has_fault"), [(1.0 + LITTLE, True), (1.0 - LITTLE, False)])
-def test_motors_may_stop_the_pitching_body_in_a_step_and_not_faster(robot, share, has_fault):
-    """Both together damp it with 2 (K^2 / R + B), which is 4.25 N m s/rad here."""
-    constant = math.sqrt(3.0 * (0.5 * 4.25 * share - 0.02))
-    made = changed(robot, STRONG | {"motor.torque_constant_N_m_A": constant})
-    assert bool(list(strength_faults(Rates(physics_hz=1000), made))) is has_fault
-
-
-@pytest.mark.parametrize(
-    ("physics_hz", "times", "needed_hz"),
-    [(1000, 1.5, 2000), (1000, 2.5, 3000), (20000, 4.5, 100000), (20000, 5.5, 0)],
-)
-def test_motors_that_are_too_strong_get_the_next_multiple_of_the_steps_that_is_allowed(
-    robot, physics_hz, times, needed_hz
-):
-    """They need `times` as many steps. A simulation has at most 100 kHz."""
-    constant = math.sqrt(3.0 * (0.5 * 4.25e-3 * physics_hz * times - 0.02))
-    made = changed(robot, STRONG | {"motor.torque_constant_N_m_A": constant})
-    (fault,) = strength_faults(Rates(physics_hz=physics_hz), made)
-    of_rate = fault.alternatives[-1]
-    assert of_rate.cure.partition(", or ")[2] == (f"set rates.physics_hz to {needed_hz}" if needed_hz else "")
-
-
 def test_a_fault_of_an_effect_names_the_other_field_if_there_is_one(robot):
     saturated, early = LineAdcSaturation(low=0.5, high=0.3), PoseClockDrift(rate=-0.001)
     both = robot.with_effect(saturated).with_effect(early)
@@ -197,6 +162,15 @@ def test_times_of_sensors_are_whole_steps_and_a_period_is_at_least_one(robot, se
     assert [(dotted(fault.path), fault.cure) for fault in faults] == (
         [(f"robot.{sensor}.{field}", f"write {write}")] if write else []
     )
+
+
+def test_a_bumper_is_sampled_in_whole_steps_and_a_camera_between_them_too(robot):
+    sensors = (
+        ("bumper", BumperSettings(kind="bumper", period_s=0.0334)),
+        ("rear", CameraSettings(kind="camera", period_s=0.0334)),
+    )
+    made = robot.model_copy(update={"sensors": RobotSensors(sensors)})
+    assert paths(_period_faults(Rates(physics_hz=1000), made)) == ["robot.sensors.bumper.period_s"]
 
 
 def arena(pieces=(), walls=(), obstacles=(), **fields) -> ArenaConfig:
@@ -314,6 +288,7 @@ def test_a_robot_starts_with_its_whole_body_on_the_floor(robot, axis, yaw_deg, h
     for out_m, problems in ((-LITTLE, []), (LITTLE, ["the robot stands beyond the edge of the floor"])):
         x_m, y_m = (unit * (4.0 - half_m + out_m) for unit in axis)
         assert start_faults(robot, arena(), x_m, y_m, yaw_deg) == problems
+    assert start_faults(changed(robot, {"chassis.length_m": 0.25}), arena(), 3.875, 0.0, 0) == []  # in binary exact
 
 
 def test_a_robot_starts_beside_walls_and_obstacles_and_not_in_them(robot):
