@@ -35,6 +35,14 @@ def test_rows_of_the_fit_and_the_largest_3_percent_do_not_count(evidence_of, hyp
     assert found.before == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(
+    ("value", "low", "high", "is_unchanged"),
+    [(0.0, 0.0, 0.0, True), (0.0, 0.0, 0.1, False), (0.0, -0.1, 0.0, False), (-1.0, -1.0, -1.0, False)],
+)
+def test_a_gain_of_0_without_an_interval_is_that_of_the_same_predictions(value, low, high, is_unchanged):
+    assert Gain(value, low, high, 1.0, 1.0, ()).is_unchanged is is_unchanged
+
+
 def test_the_interval_covers_the_gain_of_fresh_rows(evidence_of, hypothesis, effect):
     """Normal noise about an offset of 3 sigmas that the model has; errors of 200,000 rows, trimmed alike."""
     model = hypothesis.with_effect(effect("current_sensor_offset"))

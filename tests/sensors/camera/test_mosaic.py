@@ -5,7 +5,7 @@ import pytest
 
 from configs.schema.appearance.camera_look import CameraLook
 from sensors.camera.mosaic import colours, demosaiced, mosaic
-from sensors.camera.response import CameraResponse, develop, develop_part
+from sensors.camera.response import CameraResponse, develop, develop_part, inverse_tone
 
 SIZE = 256
 
@@ -69,6 +69,21 @@ def test_a_sensor_with_a_filter_has_the_noise_of_one_colour_per_pixel():
     linear = ((image / 255 + 0.055) / 1.055) ** 2.4
     assert linear[0::2, 1::2, 1].std() == pytest.approx(0.02, rel=0.03)
     assert linear[0::2, 0::2, 1].std() == pytest.approx(0.75 * 0.02, rel=0.03)
+
+
+def test_behind_a_filter_noise_makes_no_pixel_of_the_sensor_darker_than_black():
+    """Without its negative half, noise has a mean of sd / sqrt(2 pi), which the interpolation keeps.
+
+    What it makes darker than black is then cut off too, which can only raise the mean.
+    """
+    look = CameraLook(
+        contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0.05, white_balance_adaption=1,
+        colour_filter="bayer",
+    )  # fmt: skip
+    response = CameraResponse.from_look(look, (1.0, 1.0, 1.0), 1, 92)
+    coded = develop_part(np.zeros((SIZE, SIZE, 3), np.float32), response, 1.0, 1)
+    green_at_red = inverse_tone(coded[0::2, 0::2, 1].astype(np.float64) / 255, 1.0)
+    assert green_at_red.mean() > 0.98 * 0.05 / np.sqrt(2 * np.pi)
 
 
 GREY = 0.5

@@ -48,6 +48,7 @@ def _fit(residual, level) -> Any:
         ((3.0, 2.0), (1.0, 1.0), False, _cost(3.0, 2.0) - 1.0),
         # A smaller residual costs more only by the smaller noise with the effect; by the same it costs 0.3 less.
         ((3.0, 2.0), (2.95, 1.0), False, 0.0),
+        ((3.0, 2.0), (np.sqrt(_cost(3.0, 2.0) + 0.2), 1.0), False, 0.0),
         ((3.0, 2.0), (2.95, 1.0), True, _cost(3.0, 2.0) - 2.95**2),
         # A residual that is a little larger speaks against the effect by what it costs more by the same noise.
         ((3.0, 2.0), (3.05, 1.0), False, 9.0 - 3.05**2),
@@ -59,6 +60,7 @@ def _fit(residual, level) -> Any:
     ids=[
         "better",
         "better by the same noise",
+        "better by the same noise, and else only a little worse",
         "noise",
         "a little worse by the same noise",
         "worse by less noise",
@@ -108,6 +110,19 @@ def test_the_times_of_an_effect_are_far_below_a_row_up_to_a_twentieth_of_it(numb
     assert is_far_below_a_row(fit, SimpleNamespace(coordinates=parameters)) is expected
 
 
+def test_the_time_between_two_rows_does_not_count_the_time_between_two_trials():
+    """Rows of 1 s in trials that begin 100 s after each other; 0.06 s are more than a twentieth of a row."""
+    times_s = np.array([0.0, 1.0, 100.0, 200.0, 300.0, 301.0])
+    observed = SimpleNamespace(is_series=True, t_s=times_s, trial=np.array([0, 0, 1, 2, 3, 3]))
+    fit: Any = SimpleNamespace(
+        evidence=SimpleNamespace(observed=[observed], memo={}),
+        hypothesis=SimpleNamespace(parameters=lambda _: slice(0, 1)),
+        x=np.array([6.0]),
+    )
+    effect: Any = SimpleNamespace(coordinates=[_parameter(0.0, is_time=True)])
+    assert not is_far_below_a_row(fit, effect)
+
+
 def test_only_a_factor_on_the_noise_can_be_within_what_is_stated():
     effect: Any = SimpleNamespace(kind=RangeOffset)
     assert not is_within_statement(SimpleNamespace(), effect)
@@ -152,6 +167,9 @@ class TestRefusal:
     @pytest.mark.parametrize(("fall", "reason"), [(15.0, ""), (14.75, "the cost falls by 14.8, and 15 are needed")])
     def test_a_fall_of_15_is_enough(self, judged, fall, reason):
         assert judged(np.full(100, fall / 100)) == reason
+
+    def test_a_rise_of_the_cost_is_no_fall(self, judged):
+        assert judged(np.full(100, -0.02)) == "the cost falls by 0.0, and 15 are needed"
 
     @pytest.mark.parametrize(
         ("rows", "samples", "is_named"), [(100, 5, False), (100, 6, True), (40, 3, False), (40, 4, True)]
