@@ -243,6 +243,7 @@ class TestSteps:
             ([(93.5, WIDE)], WIDE),
             # Costs that are equal to a tenth are a tie, which the order of the library has decided.
             ([(90.04, D), (90.0, fake_effect("E"))], D),
+            ([(100.04, D), (99.98, fake_effect("E"))], A),
             # One that is refused does not stand in the way of the next.
             ([(98.0, C), (99.0, D)], D),
         ],
@@ -273,14 +274,15 @@ class TestSteps:
         pairs = [Fake(drop=drop, hypothesis=FakeHypothesis(*two), start=drop) for drop, *two in (
             (24.5, A, D), (23.5, B, D), (30.0, B, C),
         )]  # fmt: skip
-        known, extended, together = fake_fit(50.0, C, B), [], []
+        known, extended, together, goals = fake_fit(50.0, C, B), [], [], []
         monkeypatch.setattr(stepwise, "scanned", lambda *_: [Fake(drop=20.0), Fake(drop=4.0)])
-        monkeypatch.setattr(stepwise, "fitted", lambda *_: singles)
+        monkeypatch.setattr(stepwise, "fitted", lambda _, __, ___, goal: goals.append(goal) or singles)
         monkeypatch.setattr(stepwise, "_extended_all", lambda _, several, __: extended.extend(several) or [known])
         monkeypatch.setattr(stepwise, "scan_pairs", lambda *_: pairs)
         monkeypatch.setattr(stepwise, "fits", lambda _, starts, __: together.extend(starts) or [])
         assert stepwise._pairs(evidence, fake_fit(100.0), (A, B, C, D)) == [known]
         assert {single.cost for single in extended} == {80.0, 80.2, 81.0}
+        assert goals == [96.0]  # a single effect that explains less than 4 is not fitted to the end
         assert [start for _, start in together] == [24.5]
         # Where no single one explains more than 4, a pair does.
         pairs[:] = [Fake(drop=drop, hypothesis=FakeHypothesis(A, D), start=drop) for drop in (4.5, 3.5)]

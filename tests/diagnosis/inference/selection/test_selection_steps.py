@@ -355,6 +355,15 @@ def test_where_nuisances_imitate_an_effect_a_fit_also_starts_without_them_and_wi
     assert all(not start[:-1].any() for _, start in starts[2:])
 
 
+def test_a_start_without_nuisances_keeps_the_effects_of_the_fit(hypothesis, effect):
+    """Nuisances are 0 there, and the new delay is twice as long; the number of the effect before stays."""
+    fit: Any = SimpleNamespace(
+        hypothesis=hypothesis.with_effect(effect("current_sensor_offset")), x=np.array([3.0, 0.7])
+    )
+    _, (_, start) = _starts(fit, [Prospect(effect("input_delay"), np.array([3.0, 0.7, 0.5]), 20.0)])
+    assert start.tolist() == [0.0, 0.7, 1.0]
+
+
 def test_a_selection_and_its_steps_cannot_be_changed(changeable):
     for kind in (Entry, Selection):
         assert changeable(kind) == []
