@@ -43,7 +43,21 @@ def no_brighter_than_around(light: FloatImage, known: FloatImage) -> FloatImage:
 
     It may be darker: a foot is in the shade of what stands on it, and the more so the nearer it is.
     """
+    around, is_near = _nearest(light, known)
+    return np.where((known < 1) & is_near, np.minimum(light, around), light)
+
+
+def carried_from_around(light: FloatImage, known: FloatImage) -> FloatImage:
+    """Return light (H, W, K) that is that of the nearest known pixels where `known` (H, W, 1) is not 1.
+
+    Without a known pixel nearby, it is left as it is.
+    """
+    around, is_near = _nearest(light, known)
+    return np.where((known < 1) & is_near, around, light)
+
+
+def _nearest(light: FloatImage, known: FloatImage) -> tuple[FloatImage, np.ndarray]:
+    """Return the mean light (H, W, K) of the nearest known pixels, and whether there are any (H, W, 1)."""
     moments = np.concatenate([light * known, known], axis=-1)
     around, weight = np.split(cv2.GaussianBlur(moments, (0, 0), _NEAREST_PX, borderType=cv2.BORDER_REPLICATE), [-1], -1)
-    is_capped = (known < 1) & (weight > _MIN_WEIGHT)
-    return np.where(is_capped, np.minimum(light, around / np.maximum(weight, _MIN_WEIGHT)), light)
+    return around / np.maximum(weight, _MIN_WEIGHT), weight > _MIN_WEIGHT

@@ -41,7 +41,7 @@ def image_error(
     """
     noisy = (develop_part(light, response, metered, number) + 0.5).astype(np.uint8)
     apart = compressed(noisy, response.jpeg_quality).astype(np.float32) - noisy
-    differences = _differences(light, references, response, metered)
+    differences = reference_differences(light, references, response, metered)
     error = np.mean(_products(differences), dtype=np.float64)
     return ImageError(float(error), standard_error(differences), float(np.mean(apart**2, dtype=np.float64)))
 
@@ -54,16 +54,17 @@ def square_errors(
     It is the mean product of the differences from two references, over all pairs of them. Their noise cancels in a mean
     over pixels, where the variance that it leaves is inversely proportional to the number of pairs.
     """
-    return _products(_differences(light, references, response, metered))
+    return _products(reference_differences(light, references, response, metered))
 
 
 def _products(differences: Sequence[FloatImage]) -> FloatImage:
     return np.mean([first * second for first, second in combinations(differences, 2)], axis=0)
 
 
-def _differences(
+def reference_differences(
     light: FloatImage, references: Sequence[FloatImage], response: CameraResponse, metered: float
 ) -> list[FloatImage]:
+    """Return the difference in grey values (H, W, 3) from each reference, by the slope of the response at the image."""
     calm = replace(response, shot_noise=0.0, read_noise=0.0)
     return [_difference(light, reference, calm, metered) for reference in references]
 

@@ -17,6 +17,10 @@ LOOKS = ("classroom", "lab", "atelier", "garage", "night", "extreme")
 POSES = ((0.55, -0.20, 90.0), (0.50, 0.62, 130.0), (-0.10, 0.75, 180.0), (-0.62, 0.0, 265.0), (0.30, -1.0, 20.0))
 """x [m], y [m], yaw [deg] in the dataset's arena."""
 _STEP_M = 0.032
+_TURN_DEG = 3.0
+"""Distance and turn of the robot between two images, at 5 images a second on a bend."""
+_MAX_TRIES = 8
+"""Random places for each one that is needed, as some have no free place ahead."""
 _CLEAR_M = 0.13
 """Minimum distance of the robot's middle from walls and obstacles."""
 _PITCHES_DEG = 15.0, 60.0
@@ -64,6 +68,22 @@ class RandomCase:
         seed = int(stream(self.seed, self.look, self.number, "render").integers(2**31))
         return _views(self.look, spec, self._poses(spec, poses), seed)
 
+    def repeated_views(self, places: int, size: tuple[int, int]) -> Views:
+        """Return three images from each of some random places: two of the same pose, and one from a step further on.
+
+        All have the same time, so nothing but the camera, and what it is mounted on, has moved.
+        """
+        spec = self.spec(size)
+        arena = Arena.from_config(spec.arena)
+        poses: list[tuple[float, float, float]] = []
+        for x, y, yaw_deg in self._poses(spec, _MAX_TRIES * places):
+            middle = np.radians(yaw_deg + 0.5 * _TURN_DEG)
+            ahead = x + _STEP_M * float(np.cos(middle)), y + _STEP_M * float(np.sin(middle))
+            if is_clear(arena, *ahead) and len(poses) < 3 * places:
+                poses += [(x, y, yaw_deg), (x, y, yaw_deg), (*ahead, yaw_deg + _TURN_DEG)]
+        seed = int(stream(self.seed, self.look, self.number, "render").integers(2**31))
+        return _views(self.look, spec, poses, seed, interval_s=0.0)
+
     def spec(self, size: tuple[int, int]) -> RunSpec:
         pitch_deg = stream(self.seed, self.look, self.number, "pitch").uniform(*_PITCHES_DEG)
         settings = [f"seed={self.seed}", f"robot.camera.pitch_down_deg={pitch_deg:.1f}"]
@@ -98,8 +118,10 @@ def is_clear(arena: Arena, x_m: float, y_m: float) -> bool:
     return True
 
 
-def _views(look: str, spec: RunSpec, poses: Sequence[tuple[float, float, float]], seed: int = 1) -> Views:
-    frames = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(poses)]
+def _views(
+    look: str, spec: RunSpec, poses: Sequence[tuple[float, float, float]], seed: int = 1, interval_s: float = 0.2
+) -> Views:
+    frames = [FramePose(i + 1, interval_s * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(poses)]
     job = build_job(Arena.from_config(spec.arena), spec.robot, spec.look, spec.render, frames, seed)
     noise = job.response.shot_noise, job.response.read_noise
     return Views(look, replace(job, response=replace(job.response, shot_noise=0.0, read_noise=0.0)), *noise)

@@ -12,9 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
+from blender_scenes.blender_side.hybrid.guides import (
+    ROUGHNESS,
+    WHOLLY,
+    is_floor,
+    upsampled_light,
+    without_floor,
+)
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
-from blender_scenes.blender_side.hybrid.sunlight import Sunlight, SunlightTracer
+from blender_scenes.blender_side.hybrid.sunlight import Sunlight, SunlightTracer, matt_light
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_layers import FloorLayers
 from blender_scenes.hybrid.floor_light import without_noise
@@ -24,7 +31,7 @@ from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_ar
 from blender_scenes.hybrid.lowest_row import EdgesInSight
 from blender_scenes.hybrid.relief import TILTS, lean, lean_from, lean_without, shading
 from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
-from blender_scenes.hybrid.upsampling import reduced, upsampled
+from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.meshes import rectangle
@@ -65,7 +72,7 @@ _BLENDED = 1 / 15
 """Share of the rows over which one light image blends into the other."""
 _LOW, _TIMES_LOW = 0.25, 2
 """Share of the rows up to which the upper light image has that many times the samples, which take little time there."""
-_WHOLLY, _MOSTLY = 0.99, 0.5
+_MOSTLY = 0.5
 _CORNERS = (0, 2, -3, -1)
 """Indices of the corners in `filter_points`."""
 _EVERY = 4
@@ -79,8 +86,6 @@ _MIN_SHARE = np.float32(0.005)
 _MIN_LIGHT = np.float32(1e-6)
 _UP = (0.0, 0.0, 1.0)
 _AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-_ROUGHNESS = "roughness"
-"""Name of the floor's roughness among the passes of the surfaces."""
 
 
 class HybridRenderer:
@@ -135,7 +140,7 @@ class HybridRenderer:
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         needed = cover[..., 0] > 0
-        reflectance, seen[_ROUGHNESS], normal = np.split(self._floor(view, needed), [3, 4], axis=-1)
+        reflectance, seen[ROUGHNESS], normal = np.split(self._floor(view, needed), [3, 4], axis=-1)
         share, hidden, traced = np.split(self._near_light(moved, still, sun, seen), [3, 6], axis=-1)
         floor = reflectance * self._floor_light(view, needed, normal, hidden)
         end = self._far_end(cover)
@@ -154,7 +159,7 @@ class HybridRenderer:
 
         Rows that show only floor, by the edges of other things and by the cover of the light image, are not traced.
         """
-        covered = (_rows_of(near_cover[..., 0] < _WHOLLY) + 1) * self._near
+        covered = (_rows_of(near_cover[..., 0] < WHOLLY) + 1) * self._near
         reached = max(covered, self._edges.lowest_row(view) + 1, self._horizon_rows) + _REACH_PX
         rows = min(max(reached, _MIN_PX), self._size[1])
         upper = self._scenes.surfaces(self._size, rows, self._samples.surfaces, seed, view)
@@ -172,14 +177,13 @@ class HybridRenderer:
         """
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
-        without = self._denoised(still["DiffDir"] + still["DiffInd"], normal)
-        pair = [self._denoised(light, normal) for light in sun.rest] if sun else [traced[..., :3], without]
-        direct_sun = sun.still if sun else np.zeros_like(without)
+        pair = [self._denoised(light, normal) for light in (sun.rest if sun else map(matt_light, (moved, still)))]
+        direct_sun = sun.still if sun else np.zeros_like(pair[1])
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
-        is_floor = _is_floor(seen, self._near)
-        of_floor = [no_brighter_than_around(light, is_floor) for light in (*pair, direct_sun)]
+        floor_alone = is_floor(seen, self._near)
+        of_floor = [no_brighter_than_around(light, floor_alone) for light in (*pair, direct_sun)]
         low = np.concatenate([*of_floor, traced], axis=-1)
-        with_, without, direct_sun, traced = np.split(_upsampled(low, seen), [3, 6, 9], axis=-1)
+        with_, without, direct_sun, traced = np.split(upsampled_light(low, seen), [3, 6, 9], axis=-1)
         shaded_sun = direct_sun * sun.visible if sun else direct_sun
         # All renderings with and without what moves have the same random numbers, so their ratio is exactly 1 where
         # nothing that moves matters. The offset keeps it defined, and near 1, where there is hardly any light. It is a
@@ -198,29 +202,30 @@ class HybridRenderer:
         size, above = self._shared_by(self._far), {name: image[:rows] for name, image in seen.items()}
         samples = self._samples.far * (_TIMES_LOW if rows <= _LOW * self._size[1] else 1)
         upper = self._scenes.upper_light(size, rows // self._far, samples, seed, view)
-        return _upsampled(self._traced(upper, above, self._far), above)
+        return upsampled_light(self._traced(upper, above, self._far), above)
 
     def _traced(self, passes: Passes, seen: Passes, times: int) -> FloatImage:
-        """Return (h, w, 12) without noise: the light, and the input of `_upsampled` for gloss and transmission.
+        """Return (h, w, 12) without noise, for `upsampled_light`: light on other things, gloss and transmission.
 
         Transmission is the share of light that passes the floor's coat to the base and back.
         """
-        normal, roughness = (reduced(seen[name], times) for name in ("Normal", _ROUGHNESS))
-        cover, is_floor = reduced(seen[COVER][..., :1], times), _is_floor(seen, times)
-        light = passes["DiffDir"] + passes["DiffInd"]
+        normal, roughness = (reduced(seen[name], times) for name in ("Normal", ROUGHNESS))
+        cover, floor_alone = reduced(seen[COVER][..., :1], times), is_floor(seen, times)
+        light = matt_light(passes)
         # A visible lamp is part of the surfaces; for the denoiser of the light it would be a firefly.
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
         # Few of the paths find a small lamp in the gloss, so their light is in few bright pixels.
-        rest = self._denoised_fast.keeping_mean(rest, normal, np.where(is_floor > 0, roughness, 1))
+        rest = self._denoised_fast.keeping_mean(rest, normal, np.where(floor_alone > 0, roughness, 1))
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
         flat = np.concatenate([0 * both, both], axis=-1)
         # Gloss follows the roughness of the floor, which the final image has at full resolution: lines over the
         # roughness carry it there. Other surfaces keep their values (slope 0). Where a pixel shows floor and other
         # things, its transmission is that of the floor around it: its own contains the colour of the other things.
-        of_floor = np.concatenate([np.broadcast_to(is_floor, rest.shape), cover > 0] * 2, axis=-1)
-        lines = np.where(of_floor > 0, local_lines(both, roughness, is_floor), flat)
-        return np.concatenate([self._denoised(light, normal), lines, roughness], axis=-1)
+        of_floor = np.concatenate([np.broadcast_to(floor_alone, rest.shape), cover > 0] * 2, axis=-1)
+        lines = np.where(of_floor > 0, local_lines(both, roughness, floor_alone), flat)
+        of_things = without_floor(self._denoised(light, normal), passes)
+        return np.concatenate([of_things, lines, roughness], axis=-1)
 
     def _far_end(self, cover: FloatImage) -> float:
         """Return the row where the upper light image ends, its blending included; 0 if it has no more pixels."""
@@ -340,11 +345,6 @@ def _outline(panel: LightPanel) -> Mesh:
     return rectangle(panel.name, corners, panel.name)
 
 
-def _is_floor(seen: Passes, times: int) -> FloatImage:
-    """Return (h, w, 1): 1 where a pixel of light, shared by `times` pixels each way, shows only floor; 0 elsewhere."""
-    return (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
-
-
 def _shine(passes: Passes) -> FloatImage:
     """Return the light of visible lamps and of the visible sky."""
     return passes["Emit"] + passes["Env"]
@@ -354,17 +354,6 @@ def _rows_of(where: np.ndarray) -> int:
     """Return the number of rows from the first row to the last one with a True."""
     rows = np.flatnonzero(where.any(axis=1))
     return int(rows[-1]) + 1 if len(rows) else 0
-
-
-def _upsampled(low: FloatImage, seen: Passes) -> FloatImage:
-    """Return (H, W, K - 5) for the pixels of the surfaces, from (h, w, K).
-
-    The last nine channels are four slopes, four values and their roughness; for floor the values follow its roughness.
-    """
-    values = upsampled(low, 1 / np.maximum(seen["Depth"], 1e-3), seen["Normal"])
-    alone, slope, value, roughness = np.split(values, [-9, -5, -1], axis=-1)
-    rougher = np.where(seen[COVER][..., :1] > 0, seen[_ROUGHNESS] - roughness, 0)
-    return np.concatenate([alone, value + slope * rougher], axis=-1)
 
 
 def _with_upward_part(tile: FloatImage) -> FloatImage:

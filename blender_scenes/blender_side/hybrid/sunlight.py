@@ -69,7 +69,7 @@ class SunlightTracer:
             return None
         size = reached.shape[::-1]
         sun = self._scenes.sunlight(size, _SAMPLES, seed, view)
-        reached &= sun.mean(axis=-1) > _MIN_SHADED * _matt_light(lights[1])[reached].mean()
+        reached &= sun.mean(axis=-1) > _MIN_SHADED * matt_light(lights[1])[reached].mean()
         if not reached.any():
             return None
         lines, shape = np.flatnonzero(reached.any(axis=1)), self._filters[0][1].shape
@@ -84,7 +84,8 @@ class SunlightTracer:
         return Sunlight((with_, without), sun, visible)
 
 
-def _matt_light(passes: Passes) -> FloatImage:
+def matt_light(passes: Passes) -> FloatImage:
+    """Return the light (h, w, 3) on matt surfaces."""
     return passes["DiffDir"] + passes["DiffInd"]
 
 

@@ -7,10 +7,12 @@ import pytest
 
 from blender_scenes.hybrid.footprints import Footprints
 from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.rooms.furniture.sheets import Sheets, sheets
 from blender_scenes.scene.bevel import bevelled_box
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import block, rectangle, wheel
 from blender_scenes.scene.solids import stood
+from configs.schema.appearance.paint import Paint
 
 TEXEL_M, SIDE = 0.008, 24
 TILE = Tile((-0.05, 0.02), TEXEL_M, SIDE, (0, 0, 0))
@@ -30,6 +32,18 @@ def _share(low_m: float, high_m: float, tile_low_m: float) -> np.ndarray:
 def test_an_upright_box_covers_the_shares_of_its_sides():
     x, y = _share(0.005, 0.055, TILE.low[0]), _share(0.08, 0.14, TILE.low[1])
     np.testing.assert_allclose(_covered(SMALL), y[:, None] * x, atol=1e-6)
+
+
+def test_sheets_of_paper_cover_the_floor_below_each_of_them():
+    """No light reaches the floor there, so that its map would be dark around the edges of the paper.
+
+    Three sheets of A4 lie side by side, each on the border of the one before; a strip of 10 mm is below two.
+    """
+    paper = Paint(reflectance=0.7, hue_deg=50, saturation=0.1)
+    piece = sheets("papers", Sheets(((-0.2, 0.0, 0.0), (0.0, 0.0, 0.0), (0.2, 0.0, 0.0)), paper))
+    tile = replace(TILE, low=(-0.4, -0.4), texels=100)
+    area_m2 = _covered(piece.mesh, tile=tile).sum() * TEXEL_M**2
+    assert area_m2 == pytest.approx((3 * 0.210 - 2 * 0.010) * 0.297, rel=5e-3)
 
 
 def test_a_box_with_bevels_that_is_open_below_covers_the_same():
