@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symolo.core.arrays import FloatImage
+from symolo.core.arrays import Array, FloatImage
 
 _TILT_RAD = np.radians(15.0)
 _COSINE, _SINE = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
@@ -29,17 +29,23 @@ def lean(tilted: Sequence[FloatImage]) -> FloatImage:
     return np.clip(np.concatenate(leans, axis=-1), -_MAX_LEAN, _MAX_LEAN)
 
 
-def lean_from(towards: tuple[float, float, float]) -> FloatImage:
-    """Return the lean (6,) of light from a direction above the floor, as `lean` finds it."""
-    up = towards[2]
-    ratios = (max(float(np.dot(tilt, towards)), 0.0) / up for tilt in TILTS)
-    return lean([np.full(3, ratio, np.float32) for ratio in ratios])
+def lean_from(towards: FloatImage | Array) -> FloatImage:
+    """Return the lean (..., 6) of light from directions (..., 3) above the floor, as `lean` finds it."""
+    up = towards[..., 2]
+    ratios = (np.maximum(towards @ np.asarray(tilt, towards.dtype), 0) / up for tilt in TILTS)
+    return lean([np.repeat(ratio[..., None], 3, axis=-1).astype(np.float32) for ratio in ratios])
 
 
-def lean_without(leans: FloatImage, part: FloatImage, its_lean: FloatImage) -> FloatImage:
-    """Return the lean (H, W, 6) of light from which a `part` (H, W, 3), below 1, with its own lean (6,) is taken."""
-    both = np.concatenate([part, part], axis=-1)
-    return np.clip((leans - both * its_lean) / (1 - both), -_MAX_LEAN, _MAX_LEAN)
+def lean_without(leans: FloatImage, taken: Sequence[tuple[FloatImage, FloatImage]]) -> FloatImage:
+    """Return the lean (H, W, 6) of light from which parts are taken.
+
+    Args:
+        leans: Lean (H, W, 6) of all light.
+        taken: Parts (H, W, 3) of the light, which are less than 1 together, and the lean (6,) or (H, W, 6) of each.
+    """
+    both = [(np.concatenate([part, part], axis=-1), its_lean) for part, its_lean in taken]
+    rest = leans - sum(part * its_lean for part, its_lean in both)
+    return np.clip(rest / (1 - sum(part for part, _ in both)), -_MAX_LEAN, _MAX_LEAN)
 
 
 def shading(normal: FloatImage, leans: FloatImage) -> FloatImage:

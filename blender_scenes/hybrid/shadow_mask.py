@@ -1,4 +1,4 @@
-"""Shadow that a body throws on the floor in parallel light from all over a disc, as the sun is, as a map."""
+"""Shadow that a body throws on the floor in the light of several points, as a map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from blender_scenes.hybrid.small_lights import on_floor
 from symolo.core.arrays import Array, FloatImage
 
 _FINER = 4
@@ -16,7 +17,6 @@ _MAX_TEXELS = 1024
 """Maximum number of texels along a side."""
 _MAX_PX = 1e6
 """Largest distance of a corner that is drawn from the rectangle; a corner at 0.2 mm a pixel is 200 m away."""
-_GOLDEN_RAD = np.pi * (3.0 - 5.0**0.5)
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,13 @@ class ShadowMask:
         return share.astype(np.float32, copy=False)
 
 
-def shadow_mask(
-    faces: Sequence[Array], directions: Sequence[Array], low: Array, high: Array, texel_m: float
-) -> ShadowMask:
+def shadow_mask(faces: Sequence[Array], light_points: Array, low: Array, high: Array, texel_m: float) -> ShadowMask:
     """Return the shadow of faces in a rectangle of the floor.
 
     Args:
         faces: Corners (K, 3) of each face.
-        directions: Directions (3,) to points all over the light, each with an equal part of it.
+        light_points: Points (K, 4) all over the light, as `small_lights` has them, each with an equal part of it. All
+            places are above the faces.
         low: Lower left corner (2,) of the rectangle.
         high: Its upper right corner (2,).
         texel_m: Size of a texel; it is larger for a large rectangle.
@@ -51,24 +50,11 @@ def shadow_mask(
     width, height = np.ceil((high - low) / texel_m).astype(int).tolist()
     corners, ends = np.concatenate(faces), np.cumsum([len(face) for face in faces])[:-1]
     shaded = np.zeros((height, width), np.float32)
-    for towards in directions:
-        on_floor = corners[:, :2] - corners[:, 2:] * (towards[:2] / towards[2])
+    for point in light_points:
         # Whole numbers are the middles of drawn pixels.
-        at = np.clip((on_floor - low) / texel_m * _FINER - 0.5, -_MAX_PX, _MAX_PX)
+        at = np.clip((on_floor(corners, point) - low) / texel_m * _FINER - 0.5, -_MAX_PX, _MAX_PX)
         drawn = np.zeros((height * _FINER, width * _FINER), np.uint8)
         for polygon in np.split(np.rint(at * 2**_BITS).astype(np.int32), ends):
             cv2.fillPoly(drawn, [polygon], (255,), shift=_BITS)
         shaded += cv2.resize(drawn, (width, height), interpolation=cv2.INTER_AREA)
-    return ShadowMask(low, texel_m, (1 - shaded / np.float32(255 * len(directions))).astype(np.float32))
-
-
-def disc_directions(towards: Array, diameter_rad: float, count: int) -> list[Array]:
-    """Return directions (3,) to points with equal parts of a disc, on a spiral (Vogel, Math. Biosciences 44, 1979)."""
-    towards = np.asarray(towards, float)
-    right = np.cross(towards, (0.0, 0.0, 1.0) if abs(towards[2]) < 0.9 else (1.0, 0.0, 0.0))
-    right /= np.linalg.norm(right)
-    up = np.cross(right, towards)
-    reach = np.tan(0.5 * diameter_rad) * np.sqrt((np.arange(count) + 0.5) / count)
-    angle = _GOLDEN_RAD * np.arange(count)
-    away = reach[:, None] * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up)
-    return [direction for direction in towards + away if direction[2] > 1e-3]
+    return ShadowMask(low, texel_m, (1 - shaded / np.float32(255 * len(light_points))).astype(np.float32))

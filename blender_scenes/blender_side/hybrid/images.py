@@ -8,6 +8,7 @@ things stand, are traced again with more pixels; everything but the floor takes 
 these other things are traced without bounces, which is fast, and only in the rows in which they are visible.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from blender_scenes.blender_side.hybrid.guides import (
 )
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
-from blender_scenes.blender_side.hybrid.sunlight import Sunlight, SunlightTracer, matt_light
+from blender_scenes.blender_side.hybrid.sharp_light import SharpLight, SharpLightTracer, matt_light
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_layers import FloorLayers
 from blender_scenes.hybrid.floor_light import without_noise
@@ -29,7 +30,8 @@ from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, f
 from blender_scenes.hybrid.footprints import Footprints
 from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
-from blender_scenes.hybrid.relief import TILTS, lean, lean_from, lean_without, shading
+from blender_scenes.hybrid.relief import TILTS, lean, lean_without, shading
+from blender_scenes.hybrid.small_lights import SmallLight
 from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
 from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.render.job import RenderJob
@@ -88,6 +90,10 @@ _UP = (0.0, 0.0, 1.0)
 _AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
+Hidden = tuple[FloatImage, SmallLight]
+"""Part (H, W, 3) of the light on the floor that comes from a light and that what moves hides."""
+
+
 class HybridRenderer:
     """Renderer of a job whose scene is in Blender, after `engine.configure`."""
 
@@ -112,12 +118,11 @@ class HybridRenderer:
         self._bounds = ground.min(axis=0).astype(np.float32), ground.max(axis=0).astype(np.float32)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
-        self._sun_lean = lean_from(job.scene.sun.towards) if job.scene.sun else None
         across_m, along_m = self._sight.pixel_m()
         self._light_pixel_m = self._near * self._per_light_pixel(along_m)
         few, many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         self._filters = (few, ~(slanted := along_m > _STEEP * across_m)), (many, slanted)
-        self._sun = SunlightTracer(job.scene, self._scenes, self._samples.near, self._sight, self._filters)
+        self._sharp = SharpLightTracer(job.scene, self._scenes, self._samples.near, self._sight, self._filters)
         texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
         finest_m = max(float(np.nanmin(texel_m, initial=_MAX_TEXEL_M)), _MIN_TEXEL_M)
         # Rounded, because a different last digit on another processor would move all texels.
@@ -135,13 +140,13 @@ class HybridRenderer:
         """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         ground = self._per_light_pixel(self._ground(view, MIDDLE))
-        sun = self._sun.traced(view, (seed + 3) % 2**31, (moved, still), ground, self._light_pixel_m)
+        sharp = self._sharp.traced(view, (seed + 3) % 2**31, (moved, still), ground, self._light_pixel_m)
         # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         needed = cover[..., 0] > 0
         reflectance, seen[ROUGHNESS], normal = np.split(self._floor(view, needed), [3, 4], axis=-1)
-        share, hidden, traced = np.split(self._near_light(moved, still, sun, seen), [3, 6], axis=-1)
+        share, hidden, traced = self._near_light(moved, still, sharp, seen)
         floor = reflectance * self._floor_light(view, needed, normal, hidden)
         end = self._far_end(cover)
         if end:
@@ -170,28 +175,35 @@ class HybridRenderer:
         lower = {name: np.broadcast_to(np.array(value, np.float32), shape) for name, value in below.items()}
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
-    def _near_light(self, moved: Passes, still: Passes, sun: Sunlight | None, seen: Passes) -> FloatImage:
-        """Return (H, W, 13): the ratio of the light with and without what moves, and the channels of `_traced`.
+    def _near_light(
+        self, moved: Passes, still: Passes, sharp: SharpLight | None, seen: Passes
+    ) -> tuple[FloatImage, list[Hidden], FloatImage]:
+        """Return the ratio (H, W, 3) of the light with and without what moves, and the channels of `_traced`.
 
-        Between these is the part of the light without what moves that is sunlight and that what moves takes.
+        Between these are the parts of the light without what moves that what moves hides.
         """
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
-        pair = [self._denoised(light, normal) for light in (sun.rest if sun else map(matt_light, (moved, still)))]
-        direct_sun = sun.still if sun else np.zeros_like(pair[1])
+        with_and_without = sharp.rest if sharp else (matt_light(moved), matt_light(still))
+        pair = [self._denoised(light, normal) for light in with_and_without]
+        shaded = sharp.shaded if sharp else ()
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
         floor_alone = is_floor(seen, self._near)
-        of_floor = [no_brighter_than_around(light, floor_alone) for light in (*pair, direct_sun)]
+        of_floor = [no_brighter_than_around(light, floor_alone) for light in (*pair, *(one.still for one in shaded))]
         low = np.concatenate([*of_floor, traced], axis=-1)
-        with_, without, direct_sun, traced = np.split(upsampled_light(low, seen), [3, 6, 9], axis=-1)
-        shaded_sun = direct_sun * sun.visible if sun else direct_sun
+        ends = 3 * (1 + np.arange(len(of_floor)))
+        with_, without, *direct, traced = np.split(upsampled_light(low, seen), ends, axis=-1)
         # All renderings with and without what moves have the same random numbers, so their ratio is exactly 1 where
         # nothing that moves matters. The offset keeps it defined, and near 1, where there is hardly any light. It is a
-        # share of the light without the sun, which alone remains in a shadow.
-        offset = _MIN_SHARE * np.median(low[..., 3:6]) + _MIN_LIGHT
-        all_light = without + direct_sun + offset
-        share = np.clip((with_ + shaded_sun + offset) / all_light, 0, _MAX_SHARE)
-        return np.concatenate([share, (direct_sun - shaded_sun) / all_light, traced], axis=-1)
+        # share of the light without that of `shaded`, which alone remains in a shadow.
+        offset = _MIN_SHARE * np.median(of_floor[1]) + _MIN_LIGHT
+        all_light = without + sum(direct) + offset
+        remaining = [light * one.visible for light, one in zip(direct, shaded, strict=True)]
+        share = np.clip((with_ + sum(remaining) + offset) / all_light, 0, _MAX_SHARE)
+        hidden = [
+            ((light - left) / all_light, one.light) for light, left, one in zip(direct, remaining, shaded, strict=True)
+        ]
+        return share, hidden, traced
 
     def _far_light(self, view: FrameView, end: float, seed: int, seen: Passes) -> FloatImage:
         """Return (rows, W, 7), the channels of `_traced` for the rows above `end`."""
@@ -255,18 +267,17 @@ class HybridRenderer:
                 np.copyto(seen[rows], values, where=mask[..., None])
         return seen
 
-    def _floor_light(self, view: FrameView, needed: np.ndarray, normal: FloatImage, hidden: FloatImage) -> FloatImage:
-        """Return the light (H, W, 3) on the floor without what moves.
-
-        Where a part `hidden` (H, W, 3) of it is sunlight that what moves takes, relief is lit as by the rest.
-        """
+    def _floor_light(
+        self, view: FrameView, needed: np.ndarray, normal: FloatImage, hidden: Sequence[Hidden]
+    ) -> FloatImage:
+        """Return the light (H, W, 3) on the floor without what moves; relief is lit as by the light that remains."""
         points = self._ground(view, MIDDLE)
         light = self._looked_up(self._irradiance, points, needed, 3)
         if not self._has_relief:
             return light
         leans = self._looked_up(self._relief, points, needed, 6)
-        if self._sun_lean is not None:
-            leans = lean_without(leans, hidden, self._sun_lean)
+        if hidden:
+            leans = lean_without(leans, [(part, lamp.lean_at(points)) for part, lamp in hidden])
         return light * shading(normal, leans)
 
     def _looked_up(self, tiled: TiledMap, points: FloatImage, needed: np.ndarray, channels: int) -> FloatImage:

@@ -6,7 +6,7 @@ which objects that shall be invisible are moved far away; the maps, which are re
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -105,22 +105,22 @@ class HybridScenes:
         self._show_light()
         return self._with_and_without_what_moves(size, samples, seed, view)
 
-    def sunlight(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> FloatImage:
-        """Return the light that a matt floor has straight from the sun, without what moves, as in `light`.
+    def direct_light(self, size: tuple[int, int], samples: int, seed: int, view: FrameView, lamp: str) -> FloatImage:
+        """Return the light that a matt floor has straight from one lamp, without what moves, as in `light`.
 
-        The sun is alone, so that its light has no noise but in the narrow borders of shadows.
+        The lamp is alone, so that its light has no noise but in the narrow borders of shadows.
         """
-        with self._straight_light(sun=True):
+        with self._straight_light({light.name for light in self._lamps} - {lamp}):
             place(_without_what_moves(view))
             still = self._traced(self._view, size, samples, seed, view=view)
             place(view)
         return still["DiffDir"]
 
     def lamplight(
-        self, size: tuple[int, int], samples: int, seed: int, view: FrameView
+        self, size: tuple[int, int], samples: int, seed: int, view: FrameView, off: Collection[str]
     ) -> tuple[FloatImage, FloatImage]:
-        """Return the light that a matt floor has straight from all other lamps, with and without what moves."""
-        with self._straight_light(sun=False):
+        """Return the light that a matt floor has straight from all but some lamps, with and without what moves."""
+        with self._straight_light(off):
             moved, still = self._with_and_without_what_moves(size, samples, seed, view)
         return moved["DiffDir"], still["DiffDir"]
 
@@ -182,17 +182,17 @@ class HybridScenes:
         cycles.filter_width = final.filter_width if filtered else 1.0
 
     @contextmanager
-    def _straight_light(self, *, sun: bool) -> Iterator[None]:
-        """Show the matt floor with light straight from the sun, or from all other lamps."""
+    def _straight_light(self, off: Collection[str]) -> Iterator[None]:
+        """Show the matt floor with light straight from all lamps, the sun among them, but those that are `off`."""
         self._show(self._white_floor, ("diffuse_direct",), filtered=False)
         self._view.cycles.max_bounces = 0
-        off = {lamp: lamp.energy for lamp in self._lamps if (lamp.type == "SUN") != sun}
+        energies = {lamp: lamp.energy for lamp in self._lamps if lamp.name in off}
         try:
-            for lamp in off:
+            for lamp in energies:
                 lamp.energy = 0.0
             yield
         finally:
-            for lamp, energy in off.items():
+            for lamp, energy in energies.items():
                 lamp.energy = energy
 
     def _with_and_without_what_moves(

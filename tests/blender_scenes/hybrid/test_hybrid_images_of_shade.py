@@ -30,7 +30,9 @@ def _matt(name: str, reflectance: float) -> Surface:
     return Surface(name, Color((reflectance,) * 3), roughness=1.0, refractive_index=1.0)
 
 
-def _job(sun: Sun, walls: tuple[Mesh, ...], panels: tuple[LightPanel, ...], hybrid: HybridSamples | None) -> RenderJob:
+def _job(
+    sun: Sun | None, walls: tuple[Mesh, ...], panels: tuple[LightPanel, ...], hybrid: HybridSamples | None
+) -> RenderJob:
     scene = Scene(
         surfaces=(_matt("floor", FLOOR_REFLECTANCE), _matt("white", 0.7), _matt("black", 0.0)),
         meshes=(floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), *walls),
@@ -73,8 +75,12 @@ AT_M = (-0.05, -0.07)
 """Place of the rail's middle across the view in two views."""
 
 
-def _rail_job() -> RenderJob:
-    job = _job(SUN_ASIDE, (), (LightPanel("sky", *PANEL, seen=False),), HYBRID)
+LAMP_AT_M, LAMP_SIZE_M = (0.4, -0.6, 1.5), 0.02
+LAMP = LightPanel("lamp", LAMP_AT_M, (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), LAMP_SIZE_M, LAMP_SIZE_M, (60000.0,) * 3)
+
+
+def _rail_job(sun: Sun | None = SUN_ASIDE, *lamps: LightPanel) -> RenderJob:
+    job = _job(sun, (), (LightPanel("sky", *PANEL, seen=False), *lamps), HYBRID)
     (view,) = job.frames
     views = tuple(replace(view, number=i + 1, moving=((0.4, y_m, 0.0),)) for i, y_m in enumerate(AT_M))
     rail = block("rail", (0.0, 0.0, 0.5 * RAIL_M), (2.0, 0.02, RAIL_M), "black")
@@ -91,6 +97,7 @@ def images(lights_of) -> dict[str, np.ndarray]:
         "foot": _job(SUN_BEHIND, (THIN,), (LightPanel("sky", *PANEL, seen=False),), HYBRID),
     }
     rails = {"rail 1": (_rail_job(), 1, [1]), "rail 2": (_rail_job(), 1, [2]), "rail 2, 1": (_rail_job(), 2, [2, 1])}
+    rails["rail and lamp"] = _rail_job(None, LAMP), 1, [1]
     lights = lights_of(*((job, 1, [1]) for job in jobs.values()), *rails.values(), coarser=2)
     return {name: light[-1].mean(axis=-1) for name, light in zip([*jobs, *rails], lights, strict=True)}
 
@@ -171,6 +178,23 @@ def test_the_shadow_of_what_moves_has_the_light_of_the_sky_that_it_leaves(images
         at = (ACROSS_M[4:20] > edge_m + where.start) & (ACROSS_M[4:20] < edge_m + where.stop)
         expected = FLOOR_REFLECTANCE * (sky[at] + sun)
         assert image[4:20][at].mean() == pytest.approx(expected.mean(), rel=0.04)
+
+
+def test_the_shadow_in_the_light_of_a_lamp_ends_as_sharply(images):
+    """A ray from the lamp over the rail's upper edge ends it; the width of the lamp blurs it over 1.4 mm."""
+    image, (_, lamp_m, height_m) = images["rail and lamp"], LAMP_AT_M
+    edge_m = lamp_m + (AT_M[0] + 0.01 - lamp_m) * height_m / (height_m - RAIL_M)
+    off_px = []
+    for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
+        lit, shade = (np.median(light[np.abs(across_m - edge_m - beyond_m) < 0.01]) for beyond_m in (0.02, -0.02))
+        near = np.abs(across_m - edge_m) < 0.015
+        share = (light[near] - shade) / (lit - shade)
+        beyond_px = (across_m[near] - edge_m) / np.abs(np.diff(across_m)).mean()
+        off_px.append(share.sum() - np.clip(beyond_px + 0.5, 0, 1).sum())
+        assert shade < 0.4 * lit
+        assert np.count_nonzero((share > 0.1) & (share < 0.9)) <= 3
+    assert np.mean(off_px) == pytest.approx(0.0, abs=0.2)
+    assert np.std(off_px) < 0.1
 
 
 def test_a_view_with_a_sharp_shadow_does_not_depend_on_threads_and_other_views(images):

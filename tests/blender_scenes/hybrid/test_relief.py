@@ -31,7 +31,8 @@ LEANS = lean([_of_both(np.array(tilt)).reshape(1, 1, 3).astype(np.float32) for t
 def _seen(hidden: np.ndarray) -> np.ndarray:
     """Return the light (1, 5, 3) on floors if so much of the light on a level floor (3,) is sunlight that is hidden."""
     shape = *NORMALS.shape[:2], 3
-    leans = lean_without(np.broadcast_to(LEANS, (1, 5, 6)), np.broadcast_to(hidden, shape), lean_from(SUN))
+    taken = [(np.broadcast_to(hidden, shape), lean_from(np.array(SUN)))]
+    leans = lean_without(np.broadcast_to(LEANS, (1, 5, 6)), taken)
     return (1 - hidden) * shading(NORMALS, leans)
 
 
@@ -54,8 +55,8 @@ def test_of_a_very_low_sun_the_part_that_tilted_floors_have_is_taken():
     """At 10 degrees it does not reach a floor that leans away from it by 15 degrees, nor does the map have it there."""
     low = float(np.cos(np.radians(10.0))), 0.0, float(np.sin(np.radians(10.0)))
     of_sun_alone = lean([_light_of(low, np.array(tilt)).repeat(3).astype(np.float32) for tilt in TILTS])
-    assert lean_from(low) == pytest.approx(of_sun_alone, rel=1e-6)
-    assert lean_from(low)[0] < 1 / np.tan(np.radians(10.0))
+    assert lean_from(np.array(low)) == pytest.approx(of_sun_alone, rel=1e-6)
+    assert lean_from(np.array(low))[0] < 1 / np.tan(np.radians(10.0))
 
 
 def test_where_nearly_all_light_is_hidden_the_light_remains_finite():

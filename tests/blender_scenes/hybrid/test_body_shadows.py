@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid import sun_shadows
+from blender_scenes.hybrid import body_shadows
+from blender_scenes.hybrid.body_shadows import BodyShadows
 from blender_scenes.hybrid.floor_sight import FloorSight, filter_points
 from blender_scenes.hybrid.shadow_mask import shadow_mask
-from blender_scenes.hybrid.sun_shadows import SunShadows
-from blender_scenes.scene.description import Mesh, Sun
+from blender_scenes.hybrid.small_lights import SmallLamp, SmallLight, SunDisc
+from blender_scenes.scene.description import LightPanel, Mesh, Sun
 from blender_scenes.scene.meshes import block
 from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView, Moment
@@ -28,7 +29,7 @@ def _view(robot: tuple, moving: tuple = (), exposure: tuple[Moment, ...] = ()) -
     return FrameView(1, 0.0, robot, EYE, moving, exposure=exposure)
 
 
-def _reached(shadows: SunShadows, view: FrameView, x_m: float, y_m: float = 0.0, spare_m: float = 0.0) -> bool:
+def _reached(shadows: BodyShadows, view: FrameView, x_m: float, y_m: float = 0.0, spare_m: float = 0.0) -> bool:
     ground, spare = np.array([[[x_m, y_m]]], np.float32), np.array([[spare_m]], np.float32)
     return bool(shadows.may_reach(view, ground, spare)[0, 0])
 
@@ -44,20 +45,20 @@ def _reached(shadows: SunShadows, view: FrameView, x_m: float, y_m: float = 0.0,
     ],
 )
 def test_a_shadow_begins_at_the_foot_and_ends_where_the_upper_edge_throws_it(x_m, y_m, reached):
-    shadows = SunShadows(SUN, (BODY,), ())
+    shadows = BodyShadows(SunDisc(SUN), (BODY,), ())
     assert _reached(shadows, _view((1.0, 2.0, 0.0)), 1.0 + x_m, 2.0 + y_m) == reached
     assert _reached(shadows, _view((1.0, 2.0, 0.0)), 1.0 + x_m, 2.0 + y_m, spare_m=0.004)
 
 
 def test_obstacles_and_all_moments_of_the_exposure_count():
-    shadows = SunShadows(SUN, (), (BODY,))
+    shadows = BodyShadows(SunDisc(SUN), (), (BODY,))
     away, moments = (9.0, 9.0, 0.0), (Moment((0.0, 0.0, 0.0), EYE, ((x_m, 0.0, 0.0),)) for x_m in (0.0, 1.0))
     view = _view(away, (away,), tuple(moments))
     assert [_reached(shadows, view, x_m) for x_m in (0.1, 0.5, 1.1)] == [True, False, True]
 
 
 def test_floor_that_no_pixel_sees_is_not_reached():
-    assert not _reached(SunShadows(SUN, (BODY,), ()), _view((0.0, 0.0, 0.0)), np.nan)
+    assert not _reached(BodyShadows(SunDisc(SUN), (BODY,), ()), _view((0.0, 0.0, 0.0)), np.nan)
 
 
 CAMERA = Intrinsics(120, 6, 300.0, 300.0, 59.5, 2.5)
@@ -69,11 +70,11 @@ WIDE_SUN = replace(SUN, towards=(0.0, -SUN.towards[0], SUN.towards[2]), angular_
 """It shines along -y."""
 
 
-def _share(sun: Sun, view: FrameView, body: Mesh = BODY) -> np.ndarray:
-    """(W,): how much of the sun reaches the floor along y, through the middle of the body."""
+def _share(light: SmallLight, view: FrameView, body: Mesh = BODY) -> np.ndarray:
+    """(W,): how much of the light reaches the floor along y, through the middle of the body."""
     sight = FloorSight(CAMERA, view, row_share=1.0)
     everywhere = np.ones((6, 120), bool)
-    shadows = SunShadows(sun, (), (body,))
+    shadows = BodyShadows(light, (), (body,))
     return shadows.visible_share(view, sight, [(filter_points(1.5), everywhere)], slice(0, 6)).mean(axis=0)
 
 
@@ -82,7 +83,7 @@ def _down(moving: tuple, exposure: tuple[Moment, ...] = ()) -> FrameView:
 
 
 def test_the_shadow_lets_nothing_through_and_ends_at_the_upper_edge():
-    share = _share(replace(SUN, angular_diameter_rad=0.001), _down(((0.02, 0.0, 0.0),)))
+    share = _share(SunDisc(replace(SUN, angular_diameter_rad=0.001)), _down(((0.02, 0.0, 0.0),)))
     assert share[np.abs(Y_M) < HALF_M - 2 * PIXEL_M] == pytest.approx(0.0, abs=1e-6)
     assert share[Y_M > HALF_M + 2 * PIXEL_M] == pytest.approx(1.0)
     assert (1 - share[Y_M > 0]).sum() * PIXEL_M == pytest.approx(HALF_M, abs=0.2 * PIXEL_M)
@@ -90,7 +91,7 @@ def test_the_shadow_lets_nothing_through_and_ends_at_the_upper_edge():
 
 def test_the_border_is_as_wide_as_the_disc_of_the_sun_throws_it():
     """Its standard deviation is that of a disc across, half of the radius, times h / sin(elevation)^2."""
-    y_m, share = Y_M, _share(WIDE_SUN, _down(((0.1, 0.1 + SHADOW_M, 0.0),)))
+    y_m, share = Y_M, _share(SunDisc(WIDE_SUN), _down(((0.1, 0.1 + SHADOW_M, 0.0),)))
     order = np.argsort(y_m)
     rise = -np.diff(share[order])
     middles = 0.5 * (y_m[order][1:] + y_m[order][:-1])
@@ -101,11 +102,37 @@ def test_the_border_is_as_wide_as_the_disc_of_the_sun_throws_it():
     assert np.sqrt((rise * (middles - end_m) ** 2).sum()) == pytest.approx(spread_m, rel=0.1)
 
 
+LAMP_M, LAMP_SIZE_M = 0.8, 0.06
+LAMP = LightPanel("lamp", (0.1, 0.05, LAMP_M), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.01, LAMP_SIZE_M, (1.0,) * 3)
+"""It shines straight down on the middle of the view."""
+
+
+@pytest.mark.parametrize("yaw", [0.0, np.pi / 2])
+def test_the_shadow_of_a_lamp_spreads_from_the_lamp_and_has_the_border_of_its_size(yaw):
+    """By similar triangles; a strip of even light, twelfth part of the square of its width, is the variance across."""
+    body_y_m = 0.05 - HALF_M - 0.04
+    share = _share(SmallLamp(LAMP), _down(((0.1, body_y_m, yaw),)))
+    order = np.argsort(Y_M)
+    y_m = Y_M[order]
+    rise, middles = np.diff(share[order]), 0.5 * (y_m[1:] + y_m[:-1])
+    above = middles > body_y_m
+    # Near the lamp the lower edge ends the shadow and far from it the upper one; the face towards the lamp ends here.
+    assert rise[above].sum() == pytest.approx(1.0, abs=0.01)
+    assert (rise * middles)[above].sum() == pytest.approx(body_y_m + HALF_M, abs=0.001)
+    far = _share(SmallLamp(LAMP), _down(((0.1, 0.05 + 0.02 - HALF_M, yaw),)))[order]
+    rise = np.diff(far)[middles > 0.05]
+    beyond = middles[middles > 0.05]
+    end_m = 0.05 + 0.02 * LAMP_M / (LAMP_M - HEIGHT_M)
+    assert (rise * beyond).sum() == pytest.approx(end_m, abs=0.001)
+    spread_m = LAMP_SIZE_M * HEIGHT_M / (LAMP_M - HEIGHT_M) / np.sqrt(12)
+    assert np.sqrt((rise * (beyond - end_m) ** 2).sum()) == pytest.approx(spread_m, rel=0.15)
+
+
 def test_the_border_of_a_moving_shadow_is_blurred_over_its_path():
     path_m = 0.02
     poses = [(0.02, path_m * (i / (MOMENTS - 1) - 0.5), 0.0) for i in range(MOMENTS)]
     moments = tuple(Moment((0.0, 0.0, 0.0), DOWN, (pose,)) for pose in poses)
-    share = _share(replace(SUN, angular_diameter_rad=0.001), _down((poses[MOMENTS // 2],), moments))
+    share = _share(SunDisc(replace(SUN, angular_diameter_rad=0.001)), _down((poses[MOMENTS // 2],), moments))
     expected = np.clip((Y_M - (HALF_M - 0.5 * path_m)) / path_m, 0, 1)
     # Nine moments of the exposure make steps of a ninth.
     assert share[Y_M > 0] == pytest.approx(expected[Y_M > 0], abs=0.12)
@@ -114,7 +141,7 @@ def test_the_border_of_a_moving_shadow_is_blurred_over_its_path():
 
 def test_a_body_out_of_sight_and_a_scene_without_bodies_shade_nothing():
     view = _down(((5.0, 5.0, 0.0),))
-    assert _share(SUN, view) == pytest.approx(np.ones(120))
+    assert _share(SunDisc(SUN), view) == pytest.approx(np.ones(120))
 
 
 def test_a_mesh_of_many_triangles_is_drawn_for_fewer_points_of_the_sun(monkeypatch):
@@ -125,11 +152,11 @@ def test_a_mesh_of_many_triangles_is_drawn_for_fewer_points_of_the_sun(monkeypat
         drawn.append(len(faces) * len(directions))
         return shadow_mask(faces, directions, *rest)
 
-    monkeypatch.setattr(sun_shadows, "shadow_mask", counted)
+    monkeypatch.setattr(body_shadows, "shadow_mask", counted)
     many = 20_000 // len(BODY.faces)
     mesh = replace(BODY, faces=BODY.faces * many, face_surface=BODY.face_surface * many)
     view = _down(((0.1, 0.1 + SHADOW_M, 0.0),))
-    share, of_many = (_share(WIDE_SUN, view, body) for body in (BODY, mesh))
+    share, of_many = (_share(SunDisc(WIDE_SUN), view, body) for body in (BODY, mesh))
     assert drawn[0] == 32 * len(BODY.faces)
     assert drawn[1] <= 200_000
     # Ten points make steps of a tenth and more.

@@ -1,4 +1,4 @@
-"""Shadows of moving things in the sun: where they may lie on the floor, and how much of the sun they let through."""
+"""Shadows of moving things in a small light: where they may lie on the floor, and how much of it they let through."""
 
 from collections.abc import Sequence
 
@@ -6,28 +6,29 @@ import cv2
 import numpy as np
 
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight
-from blender_scenes.hybrid.shadow_mask import ShadowMask, disc_directions, shadow_mask
-from blender_scenes.scene.description import Mesh, Sun
+from blender_scenes.hybrid.shadow_mask import ShadowMask, shadow_mask
+from blender_scenes.hybrid.small_lights import SmallLight, on_floor
+from blender_scenes.scene.description import Mesh
 from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.poses import pose_X_WR
 
 _TEXEL_PX = 0.75
 """Size of a texel of a shadow, in pixels of the nearest floor that it may reach."""
-_MIN_DIRECTIONS, _MAX_DIRECTIONS = 8, 64
-"""Limits of the number of points of the sun's disc."""
-_DIRECTIONS_PER_PX = 2
+_MIN_POINTS, _MAX_POINTS = 8, 64
+"""Limits of the number of points of the light."""
+_POINTS_PER_PX = 2
 """Number of these points for each pixel of the border's width."""
 _MAX_DRAWN = 200_000
-"""Number of faces, each drawn once for every point of the disc, from which on there are fewer points: half a second."""
+"""Number of faces, each drawn once for every point of the light, beyond which there are fewer points: half a second."""
 _SPARE_TEXELS = 3
 """Texels around the floor in sight."""
 
 
-class SunShadows:
-    def __init__(self, sun: Sun, on_robot: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
-        """Take the sun, and the meshes of the robot and of moving obstacles in their frames."""
-        self._towards, self._diameter_rad = np.array(sun.towards), sun.angular_diameter_rad
+class BodyShadows:
+    def __init__(self, light: SmallLight, on_robot: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
+        """Take a light above all of the meshes of the robot and of moving obstacles, which are in their frames."""
+        self._light = light
         self._faces = [_faces(on_robot), *(_faces([mesh]) for mesh in moving)]
         self._bodies = [np.concatenate([np.zeros((0, 3)), *faces]) for faces in self._faces]
 
@@ -50,7 +51,7 @@ class SunShadows:
         filters: Sequence[tuple[Sequence[FilterPoint], np.ndarray]],
         rows: slice,
     ) -> FloatImage:
-        """Return the share (rows, W) of the sun that reaches the floor in some rows of an image.
+        """Return the share (rows, W) of the light that reaches the floor in some rows of an image.
 
         Args:
             view: View.
@@ -65,9 +66,8 @@ class SunShadows:
             if not faces:
                 continue
             poses = [(moment.robot_pose, *moment.moving)[number] for moment in moments]
-            mask = self._mask(
-                faces, vertices, poses[len(poses) // 2][2], sight.in_body(view, MIDDLE, poses, rows), pixel_m
-            )
+            ground = sight.in_body(view, MIDDLE, poses, rows)
+            mask = self._mask(faces, vertices, pose_X_WR(*poses[len(poses) // 2]), ground, pixel_m)
             if mask is None:
                 continue
             for points, where in filters:
@@ -77,27 +77,23 @@ class SunShadows:
         return share
 
     def _mask(
-        self, faces: Sequence[Array], vertices: Array, yaw_rad: float, ground: FloatImage, pixel_m: float
+        self, faces: Sequence[Array], vertices: Array, X_WB: Array, ground: FloatImage, pixel_m: float
     ) -> ShadowMask | None:
         """Return the shadow of a body on the ground (H, W, 2) in sight, in its frame; None if it is beside it."""
-        cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
-        x, y, z = self._towards
-        towards = np.array([cosine * x + sine * y, cosine * y - sine * x, z])
-        # A point of the sun is seen up to d h / sin(elevation)^2 from the place of its middle.
-        border_m = vertices[:, 2].max() * self._diameter_rad / z**2
-        max_directions = min(_MAX_DIRECTIONS, max(_MAX_DRAWN // len(faces), _MIN_DIRECTIONS))
-        count = int(np.clip(np.ceil(_DIRECTIONS_PER_PX * border_m / pixel_m), _MIN_DIRECTIONS, max_directions))
-        directions = disc_directions(towards, self._diameter_rad, count)
-        ends = [vertices[:, :2] - vertices[:, 2:] * (each[:2] / each[2]) for each in directions]
+        border_m = self._light.border_m(vertices[:, 2].max())
+        max_points = min(_MAX_POINTS, max(_MAX_DRAWN // len(faces), _MIN_POINTS))
+        count = int(np.clip(np.ceil(_POINTS_PER_PX * border_m / pixel_m), _MIN_POINTS, max_points))
+        points = self._light.points(count) @ np.linalg.inv(X_WB).T
+        ends = [on_floor(vertices, point) for point in points]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m
         low = np.maximum(np.min(ends, axis=(0, 1)), np.nanmin(ground, axis=(0, 1))) - spare_m
         high = np.minimum(np.max(ends, axis=(0, 1)), np.nanmax(ground, axis=(0, 1))) + spare_m
-        return shadow_mask(faces, directions, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
+        return shadow_mask(faces, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
         """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor."""
         vertices = body @ X_WB[:3, :3].T + X_WB[:3, 3]
-        points = vertices[:, :2] - vertices[:, 2:] * (self._towards[:2] / self._towards[2])
+        points = on_floor(vertices, self._light.middle)
         hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
         (x, y), (next_x, next_y) = hull.T, np.roll(hull, -1, axis=0).T
         return hull if np.sum(x * next_y - next_x * y) > 0 else hull[::-1]

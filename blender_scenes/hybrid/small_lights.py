@@ -1,0 +1,91 @@
+"""Lights whose shadows have narrow borders: the sun, and lamps that are small beside their height above the floor.
+
+A point of a light is homogeneous: (x, y, z, 1) for a place, (x, y, z, 0) for a direction.
+"""
+
+import numpy as np
+
+from blender_scenes.hybrid.relief import lean_from
+from blender_scenes.scene.description import LightPanel, Sun
+from symolo.core.arrays import Array, FloatImage
+
+_GOLDEN_RAD = np.pi * (3.0 - 5.0**0.5)
+_MIN_TIMES_HEIGHT = 1.5
+"""Height of a lamp, as a multiple of that of a body, from which on its light comes from above all of the body."""
+
+
+class SunDisc:
+    def __init__(self, sun: Sun) -> None:
+        self.name = "sun"
+        self._towards, self._diameter_rad = np.array(sun.towards), sun.angular_diameter_rad
+        self.middle = np.array([*sun.towards, 0.0])
+        """(4,), in W."""
+
+    def points(self, count: int) -> Array:
+        """Return points (K, 4) in W with equal parts of the light, about as many as `count`."""
+        directions = disc_directions(self._towards, self._diameter_rad, count)
+        return np.column_stack([directions, np.zeros(len(directions))])
+
+    def border_m(self, height_m: float) -> float:
+        """Return the width of the border of a shadow that is thrown from a height."""
+        # A point of the sun is seen up to d h / sin(elevation)^2 from the place of its middle.
+        return height_m * self._diameter_rad / float(self._towards[2]) ** 2
+
+    def is_above(self, height_m: float) -> bool:  # noqa: ARG002 - a lamp's height matters
+        """Return whether its light comes from above everything that is no higher."""
+        return True
+
+    def lean_at(self, points: FloatImage) -> FloatImage:  # noqa: ARG002 - as above
+        """Return the lean of its light, as `relief.lean` has it, at points (H, W, 2) of the floor."""
+        return lean_from(self._towards)
+
+
+class SmallLamp:
+    def __init__(self, panel: LightPanel) -> None:
+        self.name = panel.name
+        self._panel, self._height_m = panel, panel.center[2]
+        self._size_m = max(panel.width_m, panel.height_m)
+        self.middle = np.array([*panel.center, 1.0])
+        """(4,), in W."""
+
+    def points(self, count: int) -> Array:
+        """Return points (K, 4) in W with equal parts of the light, at least as many as `count`."""
+        panel, along = self._panel, int(np.ceil(np.sqrt(count)))
+        shares = (np.arange(along) + 0.5) / along - 0.5
+        right, up = np.meshgrid(shares * panel.width_m, shares * panel.height_m)
+        places = panel.center + right.reshape(-1, 1) * np.array(panel.right) + up.reshape(-1, 1) * np.array(panel.up)
+        return np.column_stack([places, np.ones(len(places))])
+
+    def border_m(self, height_m: float) -> float:
+        """Return the width of the border of a shadow that is thrown from a height, straight below the lamp."""
+        return self._size_m * height_m / (self._height_m - height_m)
+
+    def is_above(self, height_m: float) -> bool:
+        """Return whether its light comes from above everything that is no higher."""
+        return self._height_m > _MIN_TIMES_HEIGHT * height_m
+
+    def lean_at(self, points: FloatImage) -> FloatImage:
+        """Return the lean (H, W, 6) of its light, as `relief.lean` has it, at points (H, W, 2) of the floor."""
+        away = self.middle[:2].astype(np.float32) - points
+        return lean_from(np.concatenate([away, np.full_like(away[..., :1], self._height_m)], axis=-1))
+
+
+SmallLight = SunDisc | SmallLamp
+
+
+def on_floor(points: Array, light: Array) -> Array:
+    """Return where a point (4,) of a light throws the shadows (N, 2) of points (N, 3) below it."""
+    z = points[:, 2:]
+    return (light[2] * points[:, :2] - z * light[:2]) / (light[2] - light[3] * z)
+
+
+def disc_directions(towards: Array, diameter_rad: float, count: int) -> list[Array]:
+    """Return directions (3,) to points with equal parts of a disc, on a spiral (Vogel, Math. Biosciences 44, 1979)."""
+    towards = np.asarray(towards, float)
+    right = np.cross(towards, (0.0, 0.0, 1.0) if abs(towards[2]) < 0.9 else (1.0, 0.0, 0.0))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, towards)
+    reach = np.tan(0.5 * diameter_rad) * np.sqrt((np.arange(count) + 0.5) / count)
+    angle = _GOLDEN_RAD * np.arange(count)
+    away = reach[:, None] * (np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up)
+    return [direction for direction in towards + away if direction[2] > 1e-3]
