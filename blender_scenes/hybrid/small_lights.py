@@ -18,6 +18,7 @@ class SunDisc:
     def __init__(self, sun: Sun) -> None:
         self.name = "sun"
         self._towards, self._diameter_rad = np.array(sun.towards), sun.angular_diameter_rad
+        self._irradiance = float(np.mean(sun.irradiance))
         self.middle = np.array([*sun.towards, 0.0])
         """(4,), in W."""
 
@@ -34,6 +35,10 @@ class SunDisc:
     def is_above(self, height_m: float) -> bool:  # noqa: ARG002 - a lamp's height matters
         """Return whether its light comes from above everything that is no higher."""
         return True
+
+    def light_at(self, points: FloatImage) -> FloatImage:
+        """Return the mean light (H, W) of a matt white floor at points (H, W, 2) if nothing hides the light."""
+        return np.full(points.shape[:2], self._irradiance * self._towards[2] / np.pi, np.float32)
 
     def lean_at(self, points: FloatImage) -> FloatImage:  # noqa: ARG002 - as above
         """Return the lean of its light, as `relief.lean` has it, at points (H, W, 2) of the floor."""
@@ -63,6 +68,15 @@ class SmallLamp:
     def is_above(self, height_m: float) -> bool:
         """Return whether its light comes from above everything that is no higher."""
         return self._height_m > _MIN_TIMES_HEIGHT * height_m
+
+    def light_at(self, points: FloatImage) -> FloatImage:
+        """Return the mean light (H, W) of a matt white floor at points (H, W, 2) if nothing hides the light."""
+        panel = self._panel
+        away = np.concatenate([points - self.middle[:2], np.full_like(points[..., :1], -self._height_m)], axis=-1)
+        square_m2 = (away**2).sum(axis=-1)
+        forward_m = np.maximum(away @ np.cross(panel.right, panel.up), 0)
+        power = float(np.mean(panel.radiance)) * panel.width_m * panel.height_m
+        return (power * forward_m * self._height_m / (np.pi * square_m2**2)).astype(np.float32)
 
     def lean_at(self, points: FloatImage) -> FloatImage:
         """Return the lean (H, W, 6) of its light, as `relief.lean` has it, at points (H, W, 2) of the floor."""

@@ -176,7 +176,8 @@ def error_changes(
 
 def carried(image: FloatImage, columns: FloatImage, rows: FloatImage) -> FloatImage:
     """Return the image (H, W, 3) at places; a filter of 8 x 8 pixels keeps most of the variance of noise."""
-    return cv2.remap(image, columns, rows, cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE)
+    at_places = cv2.remap(image, columns, rows, cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE)
+    return at_places.astype(np.float32, copy=False)
 
 
 def carried_from(job: RenderJob, before: FrameView, after: FrameView) -> tuple[FloatImage, FloatImage, np.ndarray]:

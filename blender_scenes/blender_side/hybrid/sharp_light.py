@@ -83,6 +83,8 @@ class SharpLightTracer:
         shaded = []
         for light, shadows in self._shadows:
             reached = shadows.may_reach(view, ground, spare_m)
+            if reached.any():
+                reached &= light.light_at(ground) > _MIN_SHADED * every[reached].mean()
             if reached.any() and (one := self._shaded(view, seed, (light, shadows), every, reached)):
                 shaded.append(one)
         if not shaded:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blender_scenes.hybrid.small_lights import SmallLamp
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
@@ -195,6 +196,22 @@ def test_the_shadow_in_the_light_of_a_lamp_ends_as_sharply(images):
         assert np.count_nonzero((share > 0.1) & (share < 0.9)) <= 3
     assert np.mean(off_px) == pytest.approx(0.0, abs=0.2)
     assert np.std(off_px) < 0.1
+
+
+def test_beside_the_shadow_the_floor_has_the_light_of_the_lamp_and_of_the_sky(images):
+    """The lamp shines straight down: L A h^2 / d^4 by the law of the inverse square and two cosines."""
+    (x_m, lamp_m, height_m), lit = LAMP_AT_M, np.abs(ACROSS_M - 0.05) < 0.01
+    along_m = floor_points(SHARED, X_WC, np.column_stack([g.ravel() for g in np.indices((24, 320))[::-1]]))[:, 0]
+    square_m2 = (along_m.reshape(24, 320) - x_m) ** 2 + (ACROSS_M - lamp_m) ** 2 + height_m**2
+    lamp = LAMP.radiance[0] * LAMP_SIZE_M**2 * height_m**2 / square_m2**2 / np.pi
+    points = np.stack([along_m.reshape(24, 320), ACROSS_M], axis=-1).astype(np.float32)
+    assert SmallLamp(LAMP).light_at(points) == pytest.approx(lamp, rel=1e-4)
+    away_m = ACROSS_M - (AT_M[0] + 0.01)
+    sky = 0.5 * (HALF_M / np.hypot(HALF_M, ABOVE_M) + away_m / np.hypot(away_m, RAIL_M)) * 0.988
+    sky *= np.mean([np.cos(TILT), 0.5 * (1 + np.cos(TILT))])
+    # The relief leans along x, in which the light of the lamp is symmetrical about the middle of the view.
+    expected = FLOOR_REFLECTANCE * (sky + np.cos(TILT) * lamp)
+    assert images["rail and lamp"][4:20][lit[4:20]].mean() == pytest.approx(expected[4:20][lit[4:20]].mean(), rel=0.05)
 
 
 def test_a_view_with_a_sharp_shadow_does_not_depend_on_threads_and_other_views(images):

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.relief import TILTS, lean, lean_from, lean_without, shading
+from blender_scenes.hybrid.small_lights import SmallLamp
+from blender_scenes.scene.description import LightPanel
 
 SUN = (-0.6, -0.48, 0.64)
 """Direction to the sun; 40 degrees high, so it shines on every floor of the tests."""
@@ -61,3 +63,19 @@ def test_of_a_very_low_sun_the_part_that_tilted_floors_have_is_taken():
 
 def test_where_nearly_all_light_is_hidden_the_light_remains_finite():
     assert np.isfinite(_seen(np.full(3, np.float32(1 - 1e-6)))).all()
+
+
+def test_the_light_of_a_lamp_leans_by_its_direction_from_each_place():
+    lamp = LightPanel("lamp", (0.3, -0.2, 1.5), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.05, 0.05, (1.0,) * 3)
+    places = np.array([[(0.3, -0.2), (0.0, 0.4)], [(-0.9, 0.1), (1.0, 1.0)]], np.float32)
+    expected = (np.array((0.3, -0.2)) - places) / 1.5
+    leans = SmallLamp(lamp).lean_at(places)
+    assert leans == pytest.approx(np.repeat(expected, 3, axis=-1), abs=1e-5)
+
+
+def test_what_several_lights_had_is_taken_from_all_light():
+    """Half of the light comes straight from above, a quarter from each of two sides; without those it does not lean."""
+    towards = (np.array((0.6, 0.0, 0.8)), np.array((0.0, 0.6, 0.8)))
+    parts = [(np.full((1, 1, 3), 0.25, np.float32), lean_from(each)) for each in towards]
+    both = sum(part.repeat(2, axis=-1) * its_lean for part, its_lean in parts)
+    assert lean_without(both, parts) == pytest.approx(np.zeros((1, 1, 6)), abs=1e-6)
