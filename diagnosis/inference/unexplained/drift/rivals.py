@@ -23,6 +23,10 @@ WITHOUT_WHITE = np.array([1e3])
 DISTANCE = "distance_m"
 MIN_WAVES = 1.5
 """Least number of waves within the range of the distance."""
+MIN_ROWS_OF_WAVE = 3.0
+"""Least number of rows in a wave."""
+MIN_WAVES_OF_TIME = 2.0
+"""The same within the time; an error that does not repeat cannot be distinguished from a drift."""
 
 
 def gains_of_others(
@@ -52,18 +56,31 @@ def gains_of_others(
             yield _gain(series, likely)
 
 
-def cost_of_wave(fit: HypothesisFit, ranges: RangeRows, rows: Mask) -> float:
-    """Return the cost of white noise about the best wave along the distance, such as a cyclic error of the phase."""
-    best = np.inf
+def costs_of_waves(fit: HypothesisFit, ranges: RangeRows, rows: Mask) -> Iterator[float]:
+    """Yield the cost of white noise about the best wave along the distance, and about the best one over time.
+
+    The first is a cyclic error of the phase; the second is one that repeats, such as the beat of two clocks or a lamp
+    that turns on and off. A random drift follows one of many waves by chance, so each period that is tried over time
+    has the same share of the probability.
+    """
     for covariate in ranges.covariates:
-        known = rows & np.isfinite(covariate.values)
-        if covariate.name != DISTANCE or not known.any():
-            continue
-        series = RangeSeries.of(fit, ranges, covariate.values, known)
-        turns = 2.0 * np.pi * (series.at - series.at[0]) / max(float(np.ptp(series.at)), 1e-12)
-        for waves in np.arange(MIN_WAVES, len(np.unique(series.at)) / 3.0, 1.0 / 3.0):
-            both = np.stack([np.cos(waves * turns), np.sin(waves * turns)], axis=1) / series.sd_m[:, None]
-            best = min(best, series.cost_of(left_over(series.z, both)))
+        if covariate.name == DISTANCE:
+            yield _cost_of_wave(fit, ranges, covariate.values, rows, MIN_WAVES)
+    periods = max(1.0, np.count_nonzero(rows) / MIN_ROWS_OF_WAVE - MIN_WAVES_OF_TIME)
+    yield _cost_of_wave(fit, ranges, ranges.time_s, rows, MIN_WAVES_OF_TIME) + 2.0 * float(np.log(periods))
+
+
+def _cost_of_wave(fit: HypothesisFit, ranges: RangeRows, along: Array, rows: Mask, least: float) -> float:
+    """Return the cost of white noise about the best wave along values (N,) with at least so many periods."""
+    known = rows & np.isfinite(along)
+    if not known.any():
+        return np.inf
+    series = RangeSeries.of(fit, ranges, along, known)
+    turns = 2.0 * np.pi * (series.at - series.at[0]) / max(float(np.ptp(series.at)), 1e-12)
+    best = np.inf
+    for waves in np.arange(least, len(np.unique(series.at)) / MIN_ROWS_OF_WAVE, 1.0 / 3.0):
+        both = np.stack([np.cos(waves * turns), np.sin(waves * turns)], axis=1) / series.sd_m[:, None]
+        best = min(best, series.cost_of(left_over(series.z, both)))
     return best
 
 

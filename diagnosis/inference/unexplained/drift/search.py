@@ -30,7 +30,7 @@ from diagnosis.inference.unexplained.drift.rivals import (
     RATIOS,
     SHORT,
     SHORT_OF_SERIES,
-    cost_of_wave,
+    costs_of_waves,
     gains_of_others,
     left_over,
     lines,
@@ -235,7 +235,8 @@ class DriftSearch:
         yield seen.cost + self._rise_with_jump(seen, nominal) + of_jump - parameter_penalty(seen.fit)
         if self.is_bench:
             # Size, phase and length.
-            yield cost_of_wave(seen.fit, self.ranges, self.rows) + 2.0 * PARAMETER_PENALTY
+            for cost in costs_of_waves(seen.fit, self.ranges, self.rows):
+                yield cost + 2.0 * PARAMETER_PENALTY
         # These have as many numbers as the drift, so that they only need to be less likely.
         white = self.cost_of_white_noise(seen.fit)
         for gain in gains_of_others(seen.fit, self.times_s, self.ranges, self.time_s, self.rows):

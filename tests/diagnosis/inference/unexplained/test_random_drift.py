@@ -67,6 +67,14 @@ def test_a_random_drift_is_named_with_its_size_and_time(diagnosed):
     )
 
 
+@pytest.mark.parametrize("period_s", [23.0, 61.0, 130.0])
+def test_an_error_that_repeats_is_no_random_drift(diagnosed, period_s):
+    """A wave of 3 mm, such as the beat of two clocks, with 2.3 to 13 periods in the 300 s."""
+    diagnosis = diagnosed(lambda t_s: 0.003 * np.sin(2.0 * np.pi * t_s / period_s + 0.7))
+    assert diagnosis.names == ()
+    assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+
+
 def test_a_random_drift_much_larger_than_the_noise_is_named(diagnosed):
     """Most readings are so far away that they would count as outliers beside the noise."""
     diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.05, 20.0))
