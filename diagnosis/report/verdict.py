@@ -19,6 +19,7 @@ from diagnosis.inference.selection.refusal import needed
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
 from diagnosis.inference.unexplained.drift.random_drift import RandomDrift
+from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.measured.measurement import CaseKind
@@ -288,6 +289,7 @@ def unexplained_sentence(structure: Structure) -> str:
         "place": "an error that depends on the place",
         "step": f"a step at one value of {words}",
         "kink": f"a straight line that begins at one value of {words}",
+        GAIN: f"a gain that changes with {words}",
         "bump": f"a bump around one value of {words}",
     }.get(shape, f"a {shape} over {words}") + (f", {sign}" if sign else "")
     return (

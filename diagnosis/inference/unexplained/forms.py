@@ -31,6 +31,10 @@ CLOCKS = ("t_s", "row", "session_time_s")
 """Covariates that tell only when a row was taken. Other functions of them are drifts, jumps and runs of outliers, which
 have tests of their own."""
 
+GAIN = "gain that changes"
+SURROUNDINGS = ("temperature_C", "ambient_lux")
+"""Covariates that a gain may follow, and that do not follow the reading."""
+
 
 @dataclass(frozen=True)
 class Form:
@@ -83,6 +87,8 @@ def forms(quantity: Observed, predicted: Array, rows: Mask) -> Iterator[Form]:
         else:
             found = _along(rank, covariate, sides, rows)
         yield from (form for form in found if _changes_enough(form, rows))
+        if covariate.name in SURROUNDINGS:
+            yield from _gains_in_surroundings(rank, covariate, predicted, rows)
     for _, category in covariates:
         if category.shape is CovariateShape.CATEGORY:
             for rank, covariate in conditions:
@@ -96,6 +102,14 @@ def _drifting_gains(rank: int, clock: Covariate, predicted: Array, rows: Mask) -
     for right_at in (times.min(), times.mean()) if len(times) else ():
         column = _where_known(clock.values, (clock.values - right_at) * predicted)
         yield Form(clock.name, rank, "gain that drifts", 0, column)
+
+
+def _gains_in_surroundings(rank: int, covariate: Covariate, predicted: Array, rows: Mask) -> Iterator[Form]:
+    """Yield a gain that follows a covariate, and is right at its mean."""
+    inside = covariate.values[rows & np.isfinite(covariate.values)]
+    if len(np.unique(inside)) >= MIN_ROWS:
+        column = _where_known(covariate.values, (covariate.values - inside.mean()) * predicted)
+        yield Form(covariate.name, rank, GAIN, 0, column)
 
 
 def _along(rank: int, covariate: Covariate, sides: dict[str, Array | float], rows: Mask) -> Iterator[Form]:
