@@ -9,7 +9,7 @@ from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.job_text import JobText
-from blender_scenes.render.sampling import TracingSettings, tracing_settings
+from blender_scenes.render.sampling import TracingSettings, rendering_of, tracing_settings
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.appearance.look import LookConfig
@@ -97,7 +97,7 @@ def build_job(  # noqa: PLR0917 - a run's images depend on all of these
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
-        sampling=tracing_settings(render, noise_seed, device, len(frames)),
+        sampling=tracing_settings(rendering_of(render, robot.camera), noise_seed, device, len(frames)),
         response=CameraResponse.from_look(look.camera, light, noise_seed, render.jpeg_quality, render.width_px),
         shutter=shutter,
     )

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.light_paths import LIGHT_PATHS, LightPathLimits, light_path_limits
+from configs.schema.robot import Camera
 from configs.schema.scenario import Render, RenderQuality
 
 
@@ -107,6 +108,11 @@ def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU", imag
         hybrid=hybrid_samples(render) if is_candidate or render.method == "hybrid" else None,
         probe=probe,
     )
+
+
+def rendering_of(render: Render, camera: Camera) -> Render:
+    """Return the rendering of a camera: full through a fisheye lens, since hybrid rendering makes pinhole images."""
+    return render if camera.fisheye is None else render.model_copy(update={"method": "full"})
 
 
 def _is_probed(render: Render, images: int) -> bool:

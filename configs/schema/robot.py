@@ -278,7 +278,7 @@ class Camera(Section):
     """Offset of the optical axis from the middle of the sensor, downwards in the image."""
     distortion: LensDistortion = LensDistortion()
     fisheye: FisheyeLens | None = Field(default_factory=absent, exclude_if=lambda lens: lens is None)
-    """Fisheye lens of a further camera; the camera of data.csv has none."""
+    """Fisheye lens in the place of `focal_length_mm`, `sensor_width_mm` and `distortion`."""
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
     """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
     sees_robot: bool = Field(default=False, exclude_if=lambda sees: not sees)

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from configs.schema.arena import Obstacle
-from configs.schema.robot import RobotConfig
+from configs.schema.robot import Camera, RobotConfig
 from configs.schema.scenario import SceneSpec
 from pipeline.stages.cameras import cameras_of
 from symolo.core.geometry.lens import coefficients
@@ -123,8 +123,7 @@ def _robot(metadata: Metadata, spec: SceneSpec) -> str:
         *_sensors(robot, {column.name for column in metadata.columns[DATA]}),
         ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
         ("camera axis", axis),
-        ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
-        ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
+        *_lens(camera),
     ]
     images = "Images are rendered" if any(run.images for run in metadata.runs) else "`symolo rerender` renders images"
     about = f"{plain_text(robot.name)}: {plain_text(robot.description)}."
@@ -148,6 +147,21 @@ def _sensors(robot: RobotConfig, columns: Collection[str]) -> list[tuple[str, st
             for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
             if f"d_{name[0]}" in columns
         ),
+    ]
+
+
+def _lens(camera: Camera) -> list[tuple[str, str]]:
+    """Return the rows of the table on the lens of the camera of data.csv."""
+    if (lens := camera.fisheye) is not None:
+        k = ", ".join(f"{value:g}" for value in (lens.k1, lens.k2, lens.k3, lens.k4))
+        return [
+            ("field of view", f"{lens.field_of_view_deg:g} deg across"),
+            ("lens", f"fisheye, as k1, k2, k3, k4 of OpenCV: {k}"),
+        ]
+    k = ", ".join(f"{value:g}" for value in coefficients(camera))
+    return [
+        ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
+        ("lens", f"as k1, k2, p1, p2, k3 of OpenCV: {k}"),
     ]
 
 

@@ -64,6 +64,13 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
             where=str(nominal.folder),
             cure="name a run of a dataset by --simulated",
         )
+    if spec.robot.camera.fisheye is not None:
+        cure = "use calibration software for fisheye lenses"
+        raise InputError(
+            "the camera has a fisheye lens, and only pinhole cameras are identified",
+            where=str(nominal.folder),
+            cure=cure,
+        )
     rows = real.rows
     poses = real.poses
     if len(poses) < MIN_FRAMES:

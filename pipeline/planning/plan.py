@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from textwrap import wrap
 
 from blender_scenes.render.probe import LADDER, probed_numbers
-from blender_scenes.render.sampling import TracingSettings, tracing_settings
+from blender_scenes.render.sampling import TracingSettings, rendering_of, tracing_settings
 from configs.posterior.schema import LoadedPosterior
 from configs.schema.scenario import RunSpec
 from pipeline.planning.demands import demand_lines, source_line
@@ -287,7 +287,7 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
     image_hz = 1 / camera.period_s if camera.period_s else spec.rates.camera_hz
     images = int(duration_s * image_hz + 1e-9) + 1 if image_hz else 0
-    sampled = tracing_settings(render, spec.seed, images=images)
+    sampled = tracing_settings(rendering_of(render, camera.spec.robot.camera), spec.seed, images=images)
     return PlannedRun(
         run=f"{spec.key} {camera.name}".rstrip(),
         duration_s=duration_s,
@@ -310,7 +310,7 @@ def render_core_s(camera: RunCamera, images: int) -> float:
     if not images:
         return 0.0
     render, traced = camera.spec.render, _traced(camera)
-    sampled = tracing_settings(render, camera.spec.seed, images=images)
+    sampled = tracing_settings(rendering_of(render, camera.spec.robot.camera), camera.spec.seed, images=images)
     image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     measured = len(probed_numbers(images)) if sampled.probe else 0
     choice_s = measured * traced * _probed_samples(sampled) * _sample_s(sampled)

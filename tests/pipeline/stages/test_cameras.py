@@ -3,19 +3,24 @@
 import fnmatch
 import json
 import shutil
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
 import symolo as library
+from blender_scenes.render.job import FramePose
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
 from pipeline.stages.cameras import cameras_of
+from pipeline.stages.render import Appearance
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.geometry.pinhole import pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
+from symolo.core.geometry.robot_path import RobotPath
 from symolo.dataset.tables.rows import Rows
 from symolo.pages.sheet import LINE_PX
 from symolo.playback.from_run import playback_of
@@ -236,9 +241,51 @@ def test_an_impossible_camera_is_refused_before_anything_is_made(settings, messa
         drawn(f"robot.sensors.rear={settings}")
 
 
-def test_the_camera_of_data_csv_has_no_fisheye_lens():
-    with pytest.raises(InputError, match=r"robot\.camera\.fisheye: the camera of data\.csv has no fisheye lens"):
-        drawn("robot.camera.fisheye={}")
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (["robot.camera.fisheye={k1: -1}"], r"robot\.camera\.fisheye: the lens folds the image back .* got 'k1 -1"),
+        (["robot.camera.fisheye={}", "robot.camera.distortion.k1=0.1"], r"distortion: it is that of a pinhole camera"),
+        (["robot.camera.fisheye={}", "render.method=hybrid"], r"render\.method: it makes pinhole images: got 'hybrid'"),
+    ],
+)
+def test_an_impossible_fisheye_lens_of_the_camera_of_data_csv_is_refused(settings, message):
+    with pytest.raises(InputError, match=message):
+        drawn(*settings)
+
+
+def test_the_camera_of_data_csv_sees_through_a_fisheye_lens_what_a_further_one_sees():
+    """Two cameras at one place, one of them that of data.csv: the jobs differ in the noise alone."""
+    place = f"x_m: 0.05, pitch_up_deg: -30, rate_hz: 5, z_m: 0.12, fisheye: {{field_of_view_deg: 160}}, {SMALL}"
+    spec = drawn("robot.camera.fisheye.field_of_view_deg=160", f"robot.sensors={{same: {{kind: camera, {place}}}}}")
+    cameras = {camera.name: camera for camera in cameras_of(spec)}
+    poses = [FramePose(k + 1, 0.2 * k, 0.55, -0.2, 0.1 * k) for k in range(60)]
+    path = RobotPath(np.array([0.0, 20.0]), np.array([[0.55, -0.2, 0.0]] * 2), np.zeros((2, 2)))
+    arena = Arena.from_config(spec.arena)
+    jobs = [Appearance.of(cameras[name].spec, "CPU", name).job(arena, poses, path) for name in ("", "same")]
+    assert jobs[0].camera == jobs[1].camera
+    assert jobs[0].camera.fisheye is not None
+    X_WC = [np.array([view.X_WC for view in job.frames]) for job in jobs]
+    np.testing.assert_allclose(X_WC[0], X_WC[1], atol=1e-12)
+    assert (jobs[0].sampling.hybrid, jobs[0].sampling.probe) == (None, False)
+    assert replace(jobs[0].sampling, seed=0) == replace(jobs[1].sampling, seed=0)
+
+
+def test_a_release_through_a_fisheye_lens_is_verified_exported_and_read(hands, tmp_path, symolo):
+    del hands
+    root, out = tmp_path / "data", tmp_path / "out"
+    wide = options("robot.camera.fisheye={}", "robot.sensors.left=null", "robot.sensors.right=null")
+    assert symolo("release", "smoke", "--out", root, *wide).code == 0
+    assert symolo("verify", root).out == f"{root}: no fault\n"
+    camera = library.load(root)[RUN].camera
+    assert (camera.camera_model, camera.field_of_view_deg) == ("fisheye", pytest.approx(185.0))
+    assert camera.K[0][0] == pytest.approx(16 / np.radians(92.5))
+    assert symolo("export", root, "--format", "tum,euroc,mcap,rerun", "--out", out).code == 0
+    assert "distortion_model: equidistant" in next(out.glob("euroc/**/cam0/sensor.yaml")).read_text()
+    for command in ("report", "view"):
+        assert symolo(command, root, "--out", tmp_path / f"{command}.html").code == 0
+    refused = symolo("identify-camera", root / RUN, "--out", tmp_path / "identified")
+    assert (refused.code, "has a fisheye lens, and only pinhole cameras" in refused.err) == (2, True)
 
 
 def test_the_plan_counts_the_images_of_each_camera(symolo):
