@@ -65,5 +65,5 @@ def test_a_name_that_is_not_shipped_is_refused_with_the_nearest_one():
 def test_settings_without_effect_are_not_written():
     assert set(CameraLook().model_dump()) == set(CameraLook.model_fields) - {
         *("name", "description", "defocus_share", "pixel_px", "colour_filter", "noise_reduction", "colour_blur_px"),
-        *("shading_right_ev", "shading_down_ev"),
+        *("manual_exposure", "shading_right_ev", "shading_down_ev"),
     }
