@@ -48,10 +48,23 @@ class Denoiser:
         self._require_success()
         return images["output"].copy()
 
-    def keeping_mean(self, light: FloatImage, normal: FloatImage, albedo: FloatImage) -> FloatImage:
-        """Return the same with the mean that the light has with its noise, or nearly so (`lost_light_factor`)."""
+    def keeping_mean(
+        self,
+        light: FloatImage,
+        normal: FloatImage,
+        albedo: FloatImage | None = None,
+        weight: FloatImage | None = None,
+    ) -> FloatImage:
+        """Return the same with the mean that the light has with its noise, or nearly so (`lost_light_factor`).
+
+        It is the mean of the light times `weight` (H, W, 3), over all pixels with a weight; None is 1.
+        """
         even = self(light, normal, albedo)
-        return even * np.float32(lost_light_factor(light, even))
+        if weight is None:
+            return even * np.float32(lost_light_factor(light, even))
+        counts = weight.any(axis=-1)
+        before, after = (weight[counts] * each[counts] for each in (light, even))
+        return even * np.float32(lost_light_factor(before, after)) if counts.any() else even
 
     def _filter(self, shape: tuple[int, ...]) -> tuple[int, dict[str, FloatImage]]:
         if shape not in self._filters:

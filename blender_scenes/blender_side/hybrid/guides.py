@@ -1,5 +1,6 @@
 """What the surfaces of an image say about its light of few pixels: which pixels show floor, and how to upsample it."""
 
+import cv2
 import numpy as np
 
 from blender_scenes.blender_side.hybrid.materials import COVER
@@ -14,6 +15,8 @@ WHOLLY = 0.99
 """Cover from which on a pixel counts as one that shows nothing but floor."""
 _MIN_SHARE = np.float32(0.01)
 """Share of other things in a pixel below which their normal is not known."""
+_BESIDE_PX = 2
+"""Distance from the floor up to which light on other things does not count in their mean."""
 _UP = np.array((0.0, 0.0, 1.0), np.float32)
 
 
@@ -29,6 +32,16 @@ def without_floor(light: FloatImage, passes: Passes) -> FloatImage:
     it would be a line at the edge of the face that is brighter than both.
     """
     return carried_from_around(light, (passes[COVER][..., :1] == 0).astype(np.float32))
+
+
+def weight_of_things(passes: Passes) -> FloatImage:
+    """Return how much the light (h, w, 3) on other things than the floor counts in their mean: what they reflect.
+
+    It is 0 beside the floor, where the denoiser mixes the light on both.
+    """
+    shows_things = (passes[COVER][..., 0] == 0).astype(np.uint8)
+    inside = cv2.erode(shows_things, np.ones((2 * _BESIDE_PX + 1,) * 2, np.uint8))
+    return passes["DiffCol"] * inside[..., None]
 
 
 def normal_without_floor(seen: Passes) -> FloatImage:

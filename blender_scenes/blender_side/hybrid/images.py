@@ -18,6 +18,7 @@ from blender_scenes.blender_side.hybrid.guides import (
     WHOLLY,
     is_floor,
     upsampled_light,
+    weight_of_things,
     without_floor,
 )
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
@@ -236,7 +237,8 @@ class HybridRenderer:
         # things, its transmission is that of the floor around it: its own contains the colour of the other things.
         of_floor = np.concatenate([np.broadcast_to(floor_alone, rest.shape), cover > 0] * 2, axis=-1)
         lines = np.where(of_floor > 0, local_lines(both, roughness, floor_alone), flat)
-        of_things = without_floor(self._denoised(light, normal), passes)
+        of_things = self._denoised.keeping_mean(light, normal, weight=weight_of_things(passes))
+        of_things = without_floor(of_things, passes)
         return np.concatenate([of_things, lines, roughness], axis=-1)
 
     def _far_end(self, cover: FloatImage) -> float:

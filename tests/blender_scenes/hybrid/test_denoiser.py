@@ -49,3 +49,21 @@ def test_even_light_keeps_its_mean_if_half_of_it_is_in_few_bright_pixels():
     kept = denoiser.keeping_mean(noise, upwards(noise), np.ones_like(noise))
     assert kept.mean() == pytest.approx(noise.mean(), rel=0.02)
     assert kept.std() < 0.1 * noise.std()
+
+
+def test_the_pixels_with_a_weight_keep_their_mean_whatever_the_others_have():
+    """The other half has twice the light in fewer bright pixels."""
+    random = np.random.Generator(np.random.PCG64(6))
+    bright = random.random((256, 256, 1)) < 0.02
+    bright[:, 128:] = random.random((256, 128, 1)) < 0.01
+    noise = np.repeat((1 + bright * np.where(np.arange(256) < 128, 50, 300)[:, None]).astype(np.float32), 3, axis=-1)
+    weight = np.broadcast_to(0.4 * (np.arange(256) < 128)[:, None], noise.shape).astype(np.float32)
+    kept = Denoiser(1, "HIGH").keeping_mean(noise, upwards(noise), weight=weight)
+    assert kept[:, 4:124].mean() == pytest.approx(noise[:, :128].mean(), rel=0.03)
+
+
+def test_without_any_weight_the_denoised_light_is_left_as_it_is():
+    noise = np.random.Generator(np.random.PCG64(7)).random((64, 64, 3)).astype(np.float32)
+    denoiser = Denoiser(1, "HIGH")
+    empty = denoiser.keeping_mean(noise, upwards(noise), weight=np.zeros_like(noise))
+    np.testing.assert_array_equal(empty, denoiser(noise, upwards(noise)))
