@@ -40,6 +40,10 @@ class CovariateShape(TextEnum):
     """Dependence on an angle [rad]."""
     CATEGORY = "category"
     """Numbers that are only names, such as that of a trial or a wall."""
+    EVENT = "event"
+    """Size of an event with a sign, 0 where there is none. Events that are large enough have the same consequence."""
+    OUTLINE = "outline"
+    """Place along a closed outline with corners, such as the walls of a room."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,11 @@ class Covariate:
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
     response: TurningResponse | None = None
     """Response of the quantity to a torque that depends on this angle; None if this is no angle of a shaft."""
+    levels: Array | None = None
+    """(n, k), number of events that reach each of k sizes, those of the other sign subtracted; None for no events."""
+    corners: tuple[float, ...] = ()
+    """Places of the corners of an outline in rising order, with its start and its end, which are the same corner. A
+    dependence may jump there."""
     max_waves: float = 40.0
     """Largest number of waves within its range that are looked for."""
     as_rate: "tuple[str, Array] | None" = None

@@ -287,6 +287,8 @@ def unexplained_sentence(structure: Structure) -> str:
         "category": f"another mean for each {words}",
         "turn": f"an oscillation with {words}",
         "place": "an error that depends on the place",
+        "outline": f"an error that depends on the {words}",
+        "event": f"a shift at each {words}",
         "step": f"a step at one value of {words}",
         "kink": f"a straight line that begins at one value of {words}",
         GAIN: f"a gain that changes with {words}",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,10 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
             yield from _enough(np.where(known[:, None], values[:, None] == names, 0.0).astype(float), "category")
     elif covariate.shape is CovariateShape.PERIODIC:
         yield from _turns(covariate, rows)
+    elif covariate.shape is CovariateShape.EVENT:
+        yield from _events(covariate, rows)
+    elif covariate.shape is CovariateShape.OUTLINE:
+        yield from _enough(_along_outline(covariate, rows), "outline")
     else:
         yield from _smooth(covariate, rows)
 
@@ -143,6 +148,34 @@ def _turns(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         if size is not None:
             for basis in _enough(columns * size, f"{what}, in proportion to the motion"):
                 yield replace(basis, tries=tries)
+
+
+def _events(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
+    """Yield the events of either sign that reach a size, for each size.
+
+    Which events are large enough to matter is not known; a small one may be only a part of another motion.
+    """
+    levels = np.zeros((np.count_nonzero(rows), 0)) if covariate.levels is None else covariate.levels[rows]
+    for level in levels.T:
+        columns = np.stack([level > 0.0, level < 0.0], axis=1).astype(float)
+        for basis in _enough(columns, "event"):
+            yield replace(basis, tries=levels.shape[1])
+
+
+def _along_outline(covariate: Covariate, rows: Mask) -> Array:
+    """Return linear B-splines along each part of an outline, which may jump at the corners.
+
+    With a size, they are multiplied by it, as the shift of a wall by what it does to a slanted beam.
+    """
+    values = covariate.values[rows]
+    parts = []
+    for begin, end in pairwise(covariate.corners):
+        inside = np.isfinite(values) & (values >= begin) & (values < end)
+        if np.count_nonzero(inside) >= 2 * MIN_ROWS:
+            places = np.linspace(values[inside].min(), values[inside].max() + 1e-9, CELLS)
+            parts.append(_hats(values, inside, places))
+    columns = np.concatenate(parts, axis=1) if parts else np.zeros((len(values), 0))
+    return columns if covariate.size is None else columns * covariate.size[rows, None]
 
 
 def standing_out(residuals: Array, trial: NDArray[np.int64], wild: Mask) -> Iterator[Basis]:

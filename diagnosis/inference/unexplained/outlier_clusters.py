@@ -104,10 +104,16 @@ def _sides(z: Array) -> Array:
 
 
 def _views(covariate: Covariate, known: Mask, sign: Array) -> Iterator[tuple[Array, Array]]:
-    """Yield the values of a covariate and the sides of the outliers; then both against the sign of the covariate."""
+    """Yield the values of a covariate and the sides of the outliers; then both against the sign of the covariate.
+
+    An outline has no beginning, so that it is cut at two places.
+    """
     values = covariate.values
     yield values, sign
-    if covariate.shape is not CovariateShape.CATEGORY:
+    if covariate.shape is CovariateShape.OUTLINE:
+        length, half = covariate.corners[-1], covariate.corners[len(covariate.corners) // 2]
+        yield np.mod(values - half, length), sign
+    elif covariate.shape is not CovariateShape.CATEGORY:
         shares = np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)
         if min(shares) >= SHARE_OF_SIGN:
             yield np.abs(values), sign * np.sign(values)

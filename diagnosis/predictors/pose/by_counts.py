@@ -23,6 +23,7 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, heading_error_rad, turned_by
 from diagnosis.predictors.pose.pose_noise import PoseNoise
+from diagnosis.predictors.pose.reversals import reversal_covariates
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
@@ -64,8 +65,7 @@ SLOTS = frozenset(
 SIDES = ("right", "left")
 COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
 READINGS = (4, 4, 2)
-"""Number of logged readings that each component consists of: x and y of two poses, seen from the body, or two headings.
-"""
+"""Number of logged readings that each component consists of: x and y, or the heading, of two poses."""
 
 
 class Pose:
@@ -286,6 +286,7 @@ class Pose:
         covariates = (
             Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
             Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
+            *reversal_covariates(measurement, self._ticks, self._steps_s, (first, last), nominal),
             Covariate("theta_rad", log[middle, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
@@ -300,8 +301,7 @@ class Pose:
         sds, correlations, of_poses = self._noise(measurement, nominal)
         # A place is seen from the body, which has turned until the later window begins.
         alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
-        holdout = joined(trial.holdout for trial in measurement.trials)
-        holdout = holdout[first] | holdout[last]
+        holdout = joined(trial.holdout for trial in measurement.trials)[np.stack([first, last])].any(axis=0)
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
         if isinstance(measurement.nominal, KnownWheels):
             # The noise of a real camera. Simulated runs do not scatter, and then the guess stays.

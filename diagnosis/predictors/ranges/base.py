@@ -12,7 +12,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.base import Covariate, CovariateShape, InputResponse, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
@@ -109,6 +109,7 @@ class Ranges(ABC):
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
         clear = around.clear & self._tracked.is_right[:, None]
+        errors = self._unlisted_errors(nominal, mean[0]) or ((),) * len(RANGE_SIDES)
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(
                 measurement,
@@ -118,7 +119,9 @@ class Ranges(ABC):
                 (
                     Covariate("incidence_rad", by_other_rows(incidence_rad[:, k], trial_of_rows(measurement))),
                     Covariate("wall", around.surface[:, k], CovariateShape.CATEGORY, labels=around.surfaces),
+                    *self._around_sensor(k),
                 ),
+                errors[k],
             )
             for k, name in enumerate(self.channels)
         )
@@ -130,6 +133,21 @@ class Ranges(ABC):
     @abstractmethod
     def _sight(self, robots: Sequence[RobotConfig]) -> Sight:
         """Return what robots that can be stacked see."""
+
+    def _around_sensor(self, k: int) -> tuple[Covariate, ...]:
+        """Return further covariates for what a sensor sees."""
+        del k
+        return ()
+
+    def _unlisted_errors(self, nominal: RobotConfig, distance_m: Array) -> tuple[tuple[InputResponse, ...], ...]:
+        """Return possible errors in no list, by sensor; none by default.
+
+        Args:
+            nominal: The nominal robot.
+            distance_m: (n, 3), its readings.
+        """
+        del nominal, distance_m
+        return ()
 
     def _at_reading_before(self, distance_m: Array) -> Array:
         """Return the distances (..., n, 3) at the readings before those of the rows; the present ones if not known."""
@@ -159,8 +177,14 @@ class Ranges(ABC):
         mean, sd = self._expected(several)
         return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(RANGE_SIDES)))
 
-    def _observed(
-        self, measurement: Measurement, name: str, nominal: Predicted, clear: Mask, around: tuple[Covariate, ...]
+    def _observed(  # noqa: PLR0917 - what one sensor reads
+        self,
+        measurement: Measurement,
+        name: str,
+        nominal: Predicted,
+        clear: Mask,
+        around: tuple[Covariate, ...],
+        errors: tuple[InputResponse, ...],
     ) -> Observed:
         values = good_values(measurement, name)
         usable = clear & np.isfinite(values)
@@ -188,6 +212,7 @@ class Ranges(ABC):
             holdout=joined(t.holdout for t in measurement.trials),
             usable=usable,
             covariates=covariates,
+            input_errors=errors,
         )
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:

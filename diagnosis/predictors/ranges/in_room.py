@@ -12,12 +12,13 @@ from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.room_distances import WALLS, RoomRanges, near_corner, room_ranges
-from diagnosis.predictors.base import Covariate
+from diagnosis.predictors.base import Covariate, CovariateShape, InputResponse
 from diagnosis.predictors.pose.guided_pose import wheel_steps
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE
 from diagnosis.predictors.pose.tracked_axle import TrackedAxle
 from diagnosis.predictors.ranges.base import CORNER_M, CORNER_RAD, END_M, Ranges, Sight, Surroundings
-from diagnosis.predictors.rows import step_by_other_rows, trial_of_rows
+from diagnosis.predictors.ranges.room_errors import WALL_PLACE, corners_m, room_errors, slant, wall_place_m
+from diagnosis.predictors.rows import by_other_rows, step_by_other_rows, trial_of_rows
 from physics.robot.model import applied
 from physics.robot.stack import stacked, stacked_effects
 from symolo.core.arrays import Array
@@ -38,8 +39,9 @@ class RangesInRoom(Ranges):
         if nominal_case.tof is None or nominal_case.world is None:
             raise ValueError("a case without range sensors or a room has no such stage")
         self._noise, self._room, self._range = nominal_case.noise, nominal_case.world, nominal_case.tof
-        before = np.arange(len(trial_of_rows(measurement))) - 1
-        is_first = np.diff(trial_of_rows(measurement), prepend=-1) != 0
+        self._trial = trial_of_rows(measurement)
+        before = np.arange(len(self._trial)) - 1
+        is_first = np.diff(self._trial, prepend=-1) != 0
         self._row_before = np.where(is_first, before + 1, before)
         super().__init__(measurement, nominal)
 
@@ -53,8 +55,18 @@ class RangesInRoom(Ranges):
     def _changes(self, distance_m: Array, trial: NDArray[np.int64]) -> tuple[Covariate, ...]:
         return (Covariate("distance_step_m", step_by_other_rows(distance_m, trial)),)
 
+    def _around_sensor(self, k: int) -> tuple[Covariate, ...]:
+        seen = self._seen_by_other_rows
+        place_m, shift = wall_place_m(self._room, seen)[:, k], slant(seen)[:, k]
+        return (Covariate(WALL_PLACE, place_m, CovariateShape.OUTLINE, size=shift, corners=corners_m(self._room)),)
+
+    def _unlisted_errors(self, nominal: RobotConfig, distance_m: Array) -> tuple[tuple[InputResponse, ...], ...]:
+        return room_errors(self._room, self._seen([nominal]), distance_m, self._trial)
+
     def _around(self, nominal: RobotConfig) -> Surroundings:
         seen, noise = self._seen([nominal]), self._noise
+        # The noise of a row's own pose is in the residual.
+        self._seen_by_other_rows = self._seen_from(by_other_rows(self._axle([nominal]), self._trial), [nominal])
         self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
         self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
         if self._tracked.is_guided:
@@ -81,13 +93,17 @@ class RangesInRoom(Ranges):
 
     def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
         """Return the ranges of one robot (n, 3), or of M robots (M, n, 3)."""
+        return self._seen_from(self._axle(robots), robots)
+
+    def _seen_from(self, axle: Array, robots: Sequence[RobotConfig]) -> RoomRanges:
+        """Return the ranges from some poses of the axle, (n, 3) or (M, n, 3)."""
         several, effects = stacked(robots, axes=2), stacked_effects(robots, axes=2)
         mounts = [getattr(several.tof.mounts, sensor) for sensor in RANGE_SIDES]
         x_m, y_m, yaw_deg = (
             _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
         )
         askew = applied(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(RANGE_SIDES)))
-        return room_ranges(self._room, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
+        return room_ranges(self._room, axle, x_m, y_m, np.radians(yaw_deg) + askew)
 
 
 def _side_by_side(values: Sequence[float | Array]) -> Array:

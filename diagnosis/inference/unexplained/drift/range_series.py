@@ -140,7 +140,9 @@ def _covariates(observed: list[Observed]) -> Iterator[Covariate]:
         each = [c for o in observed for c in o.covariates if c.name == first.name]
         if first.name not in (*SESSION, ROW_TIME) and len(each) == len(observed):
             second = None if first.second is None else np.concatenate([np.asarray(c.second) for c in each])
-            yield Covariate(first.name, np.concatenate([c.values for c in each]), first.shape, second)
+            size = None if first.size is None else np.concatenate([np.asarray(c.size) for c in each])
+            values = np.concatenate([c.values for c in each])
+            yield Covariate(first.name, values, first.shape, second, size=size, corners=first.corners)
 
 
 def coordinates(covariate: Covariate) -> Iterator[tuple[Array, Array]]:
@@ -159,6 +161,10 @@ def coordinates(covariate: Covariate) -> Iterator[tuple[Array, Array]]:
     elif covariate.shape is CovariateShape.PERIODIC:
         # Whole turns would tell the time.
         yield np.mod(covariate.values, 2.0 * np.pi), 2.0 * np.pi * _SHARES
+    elif covariate.shape is CovariateShape.OUTLINE:
+        # An error may jump at a corner.
+        part = np.searchsorted(covariate.corners, covariate.values, side="right")
+        yield covariate.values + APART * covariate.corners[-1] * part, float(np.diff(covariate.corners).max()) * _SHARES
     elif covariate.shape is CovariateShape.SMOOTH:
         reach = _reach(covariate.values)
         # The means of equal values may differ in their last digits.

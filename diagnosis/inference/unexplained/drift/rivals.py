@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.unexplained.drift.gauss_markov import Likelihoods, likelihoods
@@ -44,14 +43,14 @@ def gains_of_others(
         known = rows & np.isfinite(covariate.values)
         if not known.any():
             continue
+        by_size = fit if covariate.size is None else _in_units_of(fit, ranges, np.where(known, covariate.size, 1.0))
         for at, lengths in coordinates(covariate):
             for along in (ranges.of_sensor(at), at) if ranges.sensors > 1 else (at,):
-                series = RangeSeries.of(fit, ranges, along, known)
+                series = RangeSeries.of(by_size, ranges, along, known)
                 yield _gain(series, likelihoods(series.at, series.residual_m, series.sd_m, lengths, RATIOS))
         if covariate.name == DISTANCE:
             share = np.where(known, covariate.values, 1.0)
-            relative = replace(fit, sd=_over(fit.sd, ranges.place, share))
-            series = RangeSeries.of(relative, ranges, time_s, known & (share > 0.0))
+            series = RangeSeries.of(_in_units_of(fit, ranges, share), ranges, time_s, known & (share > 0.0))
             likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
             yield _gain(series, likely)
 
@@ -84,11 +83,11 @@ def _cost_of_wave(fit: HypothesisFit, ranges: RangeRows, along: Array, rows: Mas
     return best
 
 
-def _over(values: Array, place: NDArray[np.int64], divisor: Array) -> Array:
-    """Return values (N,) of which those of one quantity are divided by numbers (n,)."""
-    divided = values.copy()
-    divided[place] /= divisor
-    return divided
+def _in_units_of(fit: HypothesisFit, ranges: RangeRows, unit: Array) -> HypothesisFit:
+    """Return a fit whose ranges are in units (n,) of their own, in which an error has the same size in all rows."""
+    sd = fit.sd.copy()
+    sd[ranges.place] /= unit
+    return replace(fit, sd=sd)
 
 
 def _gain(series: RangeSeries, likely: Likelihoods) -> float:

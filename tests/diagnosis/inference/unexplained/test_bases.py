@@ -74,6 +74,26 @@ def test_harmonics_that_rows_cannot_show_are_not_looked_for():
     assert names == ["turn", "harmonic 4 of a turn"]
 
 
+def test_events_of_one_size_and_more_shift_the_residual_either_way():
+    """Of 40 events, the 20 large ones kick to their side; the levels count those of either size, and the large ones."""
+    side = np.tile([0.0, 1.0, 0.0, -1.0], 20)
+    large = np.arange(80) % 8 < 4
+    levels = np.stack([side, side * large], axis=1)
+    event = Covariate("turn_reversal_rad_s", side * np.where(large, 0.5, 0.1), CovariateShape.EVENT, levels=levels)
+    assert explained(event, side * large) > 0.999
+    assert {basis.tries for basis in bases(event, np.ones(80, dtype=bool))} == {2}
+
+
+def test_a_wall_that_is_turned_is_a_line_along_it_that_ends_at_its_corners():
+    """Beams at up to 60 degrees grow by the shift of the wall over the cosine."""
+    rng = np.random.default_rng(4)
+    place, slanted = rng.uniform(0.0, 6.0, 400), 1.0 / np.cos(rng.uniform(-1.0, 1.0, 400))
+    turned = np.where((place >= 2.0) & (place < 3.0), (place - 2.5) * slanted, 0.0)
+    outline = Covariate("wall_place_m", place, CovariateShape.OUTLINE, size=slanted, corners=(0.0, 2.0, 3.0, 5.0, 6.0))
+    assert explained(outline, turned) > 0.999
+    assert explained(Covariate("wall_place_m", place), turned) < 0.9
+
+
 class TestRunsOfRows:
     TRIAL = np.repeat([0, 1, 2, 3], 250)
     TAME = np.zeros(1000, dtype=bool)

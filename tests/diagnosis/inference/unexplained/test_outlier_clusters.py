@@ -82,6 +82,15 @@ def test_a_few_wild_rows_of_a_series_in_a_row_are_one_mistake_and_many_are_a_cau
     assert found.rows.nonzero()[0].tolist() == [5, 25, 45]
 
 
+def test_outliers_about_the_corner_at_which_an_outline_begins_are_one_cluster():
+    """A box in that corner: three of 60 places before it and two behind it, which are the same range cut elsewhere."""
+    outline = Covariate("wall_place_m", X - 0.5, CovariateShape.OUTLINE, corners=(0.0, 0.4, 0.8, 1.2, 1.55))
+    found = cluster(z_of([0, 1, 57, 58, 59]), outline, ALL)
+    assert np.count_nonzero(found.rows) == 5
+    # Two views with two sides each, and 56 ranges of five rows.
+    assert found.p == pytest.approx(4.0 * 56.0 / comb(60, 5))
+
+
 def test_of_all_ranges_the_least_likely_is_taken():
     """By Fisher's test of each of the ranges between two outliers, in whole numbers."""
     for seed in range(5):

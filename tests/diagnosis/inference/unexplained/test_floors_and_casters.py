@@ -1,4 +1,4 @@
-"""A floor on which the wheels slip in one place: the robot is moved here, by the mid-point rule."""
+"""Floors and casters that no effect describes: the robot is moved here, by the mid-point rule."""
 
 from math import pi
 
@@ -24,9 +24,13 @@ HEADER = (
 )
 
 
-def drive(rng, lost_at):
-    """Rows of counts and poses of a drive about (1, 1); a share `lost_at` of each motion is lost at a place."""
+def drive(rng, lost_at, kick_rad):
+    """Rows of counts and poses of a drive about (1, 1).
+
+    A share `lost_at` of each motion is lost at a place. The robot is kicked when it starts to turn the other way.
+    """
     pose, angle, rows, speed, turn = np.array([1.0, 1.0, rng.uniform(-pi, pi)]), np.zeros(2), [], 0.0, 0.0
+    side = 0.0
     for k in range(ROWS):
         rows.append([*np.floor(angle * TICKS / (2.0 * pi)), *(pose + [XY_M, XY_M, THETA_RAD] * rng.standard_normal(3))])
         if k % 30 == 0:
@@ -38,15 +42,17 @@ def drive(rng, lost_at):
         angle = angle + travel / RADIUS_M
         travel = (1.0 - lost_at(*pose[:2])) * travel + SLIP * np.sqrt(np.abs(travel)) * rng.standard_normal(2)
         spun = (travel[1] - travel[0]) / TRACK_M
+        spun += kick_rad * np.sign(turn) if np.sign(turn) * side < 0.0 else 0.0
+        side = np.sign(turn)
         heading = pose[2] + 0.5 * spun
         pose = pose + np.array([travel.mean() * np.cos(heading), travel.mean() * np.sin(heading), spun])
     return rows
 
 
-def diagnosed(folder, lost_at):
+def diagnosed(folder, lost_at, kick_rad=0.0):
     lines, rng = [HEADER], np.random.default_rng(7)
     for trial in range(4):
-        for k, (left, right, x, y, theta) in enumerate(drive(rng, lost_at)):
+        for k, (left, right, x, y, theta) in enumerate(drive(rng, lost_at, kick_rad)):
             t, split = k * ROW_S, "holdout" if trial == 3 else "fit"
             cells = [trial, split, f"{40.0 * trial + t:.2f}", f"{t:.2f}", 0.2, 0.0, "", "", int(left), int(right)]
             lines.append(",".join(map(str, [*cells, "", "", "", f"{x:.4f}", f"{y:.4f}", f"{theta:.4f}"])))
@@ -69,3 +75,11 @@ def test_a_share_that_is_lost_everywhere_is_a_radius(tmp_path):
     assert effect["name"] == "wheel_radius_scale"
     assert effect["parameters"]["scale"] == pytest.approx(0.97, abs=3.0 * effect["std"]["scale"])
     assert not answer["unexplained"]
+
+
+@pytest.mark.parametrize("kick_rad", [0.02, -0.02, 0.2])
+def test_a_caster_that_kicks_at_each_reversal_of_the_turn_is_no_effect_of_the_wheels(tmp_path, kick_rad):
+    """Single rows that are far off count little, and those of both directions cancel each other in any mean."""
+    answer = diagnosed(tmp_path, lambda _x, _y: 0.0, kick_rad)
+    assert answer["effects"] == []
+    assert answer["unexplained_where"] == {"channel": "pose_increment", "covariate": "turn_reversal_rad_s"}
