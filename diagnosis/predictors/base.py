@@ -90,7 +90,7 @@ class SharedReading:
 
 @dataclass(frozen=True)
 class InputResponse:
-    """An error of the input of a stage which no effect of the list describes, and how a quantity responds to it."""
+    """An error which no effect of the list describes, such as one of the input, and how a quantity responds to it."""
 
     covariate: str
     """Name of the covariate with the input, or of the time over which the error drifts."""

@@ -1,4 +1,4 @@
-"""Forms of an error in a time series: an error of the input, or a number that drifts, whose cause is in no list.
+"""Forms of an error in a time series: of the input, of a wall, or of a number that drifts, whose cause is in no list.
 
 A residual of a time series lasts for many rows, so that a curve of any shape would go through it by chance. But an
 error of the input, or a nominal number that changes during the session, shows in all quantities of a stage at once, and

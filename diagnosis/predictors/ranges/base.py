@@ -109,7 +109,7 @@ class Ranges(ABC):
         mean, sd = self._expected([nominal])
         incidence_rad = np.broadcast_to(self._sight([nominal]).incidence_rad, mean.shape)[0]
         clear = around.clear & self._tracked.is_right[:, None]
-        errors = self._unlisted_errors(nominal, mean[0]) or ((),) * len(RANGE_SIDES)
+        errors = self._unlisted_errors() or ((),) * len(RANGE_SIDES)
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(
                 measurement,
@@ -139,14 +139,8 @@ class Ranges(ABC):
         del k
         return ()
 
-    def _unlisted_errors(self, nominal: RobotConfig, distance_m: Array) -> tuple[tuple[InputResponse, ...], ...]:
-        """Return possible errors in no list, by sensor; none by default.
-
-        Args:
-            nominal: The nominal robot.
-            distance_m: (n, 3), its readings.
-        """
-        del nominal, distance_m
+    def _unlisted_errors(self) -> tuple[tuple[InputResponse, ...], ...]:
+        """Return possible errors in no list, by sensor; none by default."""
         return ()
 
     def _at_reading_before(self, distance_m: Array) -> Array:

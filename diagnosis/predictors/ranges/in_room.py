@@ -60,8 +60,8 @@ class RangesInRoom(Ranges):
         place_m, shift = wall_place_m(self._room, seen)[:, k], slant(seen)[:, k]
         return (Covariate(WALL_PLACE, place_m, CovariateShape.OUTLINE, size=shift, corners=corners_m(self._room)),)
 
-    def _unlisted_errors(self, nominal: RobotConfig, distance_m: Array) -> tuple[tuple[InputResponse, ...], ...]:
-        return room_errors(self._room, self._seen([nominal]), distance_m, self._trial)
+    def _unlisted_errors(self) -> tuple[tuple[InputResponse, ...], ...]:
+        return room_errors(self._room, self._seen_by_other_rows)
 
     def _around(self, nominal: RobotConfig) -> Surroundings:
         seen, noise = self._seen([nominal]), self._noise

@@ -1,4 +1,4 @@
-"""Walls that are not where they should be, what stands before them, and ranges that are mixed with earlier ones."""
+"""Walls that are not where they should be, and what stands before them."""
 
 import importlib
 from dataclasses import replace
@@ -83,9 +83,3 @@ def test_a_box_before_a_wall_is_found_by_its_outliers(with_error):
     clusters = [s for s in adequacy(fit.evidence, fit).structures if s.what == CLUSTER and s.p < LEVEL]
     assert clusters
     assert {s.covariate for s in clusters} >= {"wall_place_m"}
-
-
-def test_readings_that_keep_a_share_of_those_before_are_found_as_a_memory(with_error):
-    what = "memory of the readings before"
-    fit = with_error(lambda observed: [e.response for e in observed.input_errors if e.what == what][7])
-    assert best_form(fit.evidence, fit).form.what == what
