@@ -63,7 +63,10 @@ class Coordinate:
             start = min(max(scale * parameter.start, parameter.low), parameter.high)
             low = log(max(parameter.low, MIN_LOG_SHARE * start))
             null = None if parameter.null is None else log(parameter.null)
-            return cls(name, low, log(parameter.high), null, log(start), is_log=True, unit=1.0)
+            high = parameter.high
+            if parameter.fit_high is not None:
+                high = min(high, max(scale, 1.0) * parameter.fit_high)
+            return cls(name, low, log(high), null, log(start), is_log=True, unit=1.0)
         unit = abs(scale * (parameter.start - parameter.null))
         start = parameter.null + scale * (parameter.start - parameter.null)
         low, high, null, start = (x / unit for x in (parameter.low, parameter.high, parameter.null, start))

@@ -1,8 +1,8 @@
-"""Test whether the noise of separate readings differs between the materials of targets.
+"""Test whether the noise of separate readings differs between the materials, angles or temperatures of targets.
 
-Residuals about zero may be adequate and still scatter more on one material than on others, which neither the stated
-noise nor an effect describes. The ranks of their absolute values are compared (Kruskal and Wallis, J. Am. Stat. Assoc.
-47 (1952) 583), so that neither outliers nor a wrong level of the noise matter.
+Residuals about zero may be adequate and still scatter more on one material than on others, or more at a slant or when
+it is warm, which neither the stated noise nor an effect describes. The ranks of their absolute values are compared
+(Kruskal and Wallis, J. Am. Stat. Assoc. 47 (1952) 583), so that neither outliers nor a wrong level of the noise matter.
 """
 
 from collections.abc import Iterator
@@ -19,6 +19,10 @@ from symolo.core.arrays import Array
 
 MATERIAL = "material"
 """The category that is tested. Sweeps of a motor differ in how many rows stand still, and not in their noise."""
+SIZES = ("incidence_rad", "temperature_C")
+"""Covariates of which thirds of the rows are compared, by their size. Noise along the distance is stated, and that in
+much light has an effect."""
+THIRDS = ("lowest", "middle", "highest")
 TIMES = 1.5
 """Ratio of the noise on one material to that on the others from which it matters."""
 MIN_SIZE = 0.1
@@ -30,7 +34,7 @@ UNEVEN = "noise that is"
 
 
 def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
-    """Yield how the noise of each quantity that is no series differs between materials.
+    """Yield how the noise of each quantity that is no series differs between materials, angles and temperatures.
 
     Nothing is yielded for a fit with a limit, where readings do not scatter, whatever the material.
     """
@@ -40,7 +44,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         (number, rank, covariate)
         for number, quantity in enumerate(evidence.observed)
         for rank, covariate in enumerate(quantity.covariates)
-        if covariate.name == MATERIAL and not quantity.is_series
+        if covariate.name in {MATERIAL, *SIZES} and not quantity.is_series
     ]
     for number, rank, covariate in covariates:
         place, quantity = evidence.places[number], evidence.observed[number]
@@ -57,7 +61,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
             observed=quantity.name,
             channel=quantity.channel,
             covariate=covariate.name,
-            what=f"{UNEVEN} {times:.1f} times as large for {covariate.name} {widest} as for the others",
+            what=f"{UNEVEN} {times:.1f} times as large for {widest} as for the others",
             p=min(1.0, float(kruskal(*groups.values()).pvalue) * len(covariates)),
             explainable=0.0,
             rank=rank,
@@ -68,11 +72,24 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
 
 
 def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
-    """Return the absolute residuals on each material with enough rows, by its name."""
+    """Return the absolute residuals of each material, or of each third of a covariate, that has enough rows."""
+    if covariate.name == MATERIAL:
+        numbers, names = covariate.values, [f"{MATERIAL} {name}" for name in covariate.labels]
+    else:
+        numbers, names = _thirds(np.abs(covariate.values)), [f"the {name} third of {covariate.name}" for name in THIRDS]
     groups = {}
-    for value in np.unique(covariate.values[np.isfinite(covariate.values)]):
-        inside = sizes[covariate.values == value]
+    for number in np.unique(numbers[np.isfinite(numbers)]).tolist():
+        inside = sizes[numbers == number]
         inside = inside[np.isfinite(inside)]
         if len(inside) >= MIN_ROWS:
-            groups[covariate.labels[int(value)]] = inside
+            groups[names[int(number)]] = inside
     return groups
+
+
+def _thirds(values: Array) -> Array:
+    """Return the third, 0 to 2, in which each value (n,) lies; NaN where it is not known."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.full(len(values), np.nan)
+    edges = np.quantile(values[known], [1 / 3, 2 / 3])
+    return np.where(known, np.searchsorted(edges, values, side="left").astype(float), np.nan)

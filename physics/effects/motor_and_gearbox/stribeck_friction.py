@@ -18,7 +18,9 @@ class StribeckFriction(Effect):
 
     extra_torque_N_m: Annotated[float, Parameter("N m", null=0.0, start=0.008, low=0.0, high=20.0)]
     """Friction + extra_torque * exp(-(w / stribeck_speed)^2), against the motion; breakaway at Tc + extra_torque."""
-    stribeck_speed_rad_s: Annotated[float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=50.0)]
+    stribeck_speed_rad_s: Annotated[
+        float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=2000.0, fit_high=50.0)
+    ]
 
     def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         falling = np.exp(-((motion.speed_rad_s / self.stribeck_speed_rad_s) ** 2))

@@ -37,6 +37,13 @@ def test_the_motor_of_the_paper_has_the_starts_of_the_effects(motor_of):
     assert starts(motor_of(), SupplySag) == pytest.approx([0.5])
 
 
+@pytest.mark.parametrize(("sizes", "highest"), [({}, 50.0), ({"constant": 2.0}, 50.0), ({"constant": 0.1}, 500.0)])
+def test_the_friction_of_a_fast_motor_may_fall_over_higher_speeds(motor_of, sizes, highest):
+    """A motor with a tenth of the torque constant is ten times as fast."""
+    _, speed = CandidateEffect.on_top_of(motor_of(**sizes), StribeckFriction, ()).coordinates
+    assert float(speed.value(speed.high)) == pytest.approx(highest)
+
+
 @pytest.mark.parametrize(
     ("kind", "sizes", "expected"),
     [

@@ -18,14 +18,14 @@ pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
 @pytest.fixture
 def diagnosed(tmp_path):
-    """The diagnosis of a bench of 150 rows and five materials whose errors are larger by a factor of the material."""
+    """The diagnosis of a bench of 150 rows and five materials whose errors are larger by a factor of a column."""
 
-    def of(factor):
+    def of(factor, column="material"):
         gap = importlib.import_module("gap_cases")
         case = gap.make_case("tof_bench", 8, rows="some")
         columns = case.columns
         distance_m, reading_m = columns["distance_m"], columns["reading_m"]
-        times = np.array([factor(name) for name in columns["material"]])
+        times = np.array([factor(value) for value in columns[column]])
         is_near = np.abs(reading_m - distance_m) < 0.05
         error_m = np.where(is_near, times, 1.0) * (reading_m - distance_m)
         gap.write(replace(case, columns={**columns, "reading_m": np.round(distance_m + error_m, 3)}), tmp_path / "case")
@@ -40,6 +40,14 @@ def test_noise_on_one_material_is_unexplained_and_gets_no_name(diagnosed):
     assert diagnosis.answer()["unexplained_where"] == {"channel": "reading_m", "covariate": "material"}
     assert "as large for material black_card as for the others" in headline(diagnosis)
     assert "as large for material black_card as for the others" in unexplained_sentence(diagnosis.unexplained)
+
+
+@pytest.mark.parametrize(("column", "edge"), [("incidence_rad", 0.35), ("temperature_C", 25.0)])
+def test_noise_at_a_slant_or_in_warmth_is_unexplained_and_gets_no_name(diagnosed, column, edge):
+    diagnosis = diagnosed(lambda value: 5.0 if abs(value) > edge else 1.0, column)
+    assert diagnosis.names == ()
+    assert diagnosis.answer()["unexplained_where"] == {"channel": "reading_m", "covariate": column}
+    assert f"as large for the highest third of {column} as for the others" in headline(diagnosis)
 
 
 def test_noise_on_all_materials_is_even(diagnosed):
