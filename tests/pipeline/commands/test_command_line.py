@@ -277,13 +277,13 @@ def test_an_import_without_room_names_sizes_below_a_megabyte_and_no_setting_of_i
 def test_room_for_every_draw_and_picture_is_looked_for_before_the_work_starts(
     here, symolo, monkeypatch, arguments, named
 ):
-    """A drawn scene is over a megabyte of text, whatever the size of its images."""
+    """A drawn scene takes some hundred kilobytes, whatever the size of its images."""
     before = files_in(here)
-    usage = shutil.disk_usage(here)._replace(free=40_000_000)
+    usage = shutil.disk_usage(here)._replace(free=10_000_000)
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
     ended = symolo(*arguments)
     assert (ended.code, ended.err.count("\n")) == (5, 1)
-    assert "are needed and 40 MB are free" in ended.err
+    assert "are needed and 10 MB are free" in ended.err
     assert named in ended.err
     assert files_in(here) == before
 
