@@ -35,8 +35,8 @@ class Parameter:
     tries: tuple[float, ...] = ()
     """Further sizes at which the search for the effect begins, relative to the start, if sizes span decades."""
     fit_high: float | None = None
-    """Upper bound of a fit to the motor of the paper, if it is lower than that of a file. For a larger motor it grows as
-    the start does."""
+    """Upper bound of a fit to the motor of the paper, if it is lower than that of a file; it grows with the size of the
+    motor, as the start does."""
 
     @property
     def without_effect(self) -> float:
