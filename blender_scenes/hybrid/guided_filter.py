@@ -12,6 +12,8 @@ _SPREAD_PX = 1.5
 """Standard deviation of a pixel's neighbourhood."""
 _NEAREST_PX = 0.75
 """The same where only the nearest pixels matter."""
+_CARRIED_PX = 1.0
+"""The same where light is carried over the pixels that a filter of 3 px spreads an edge over."""
 _MIN_VARIANCE = np.float32(1e-4)
 """Variance of the guide below which values do not follow it."""
 _MIN_WEIGHT = np.float32(1e-3)
@@ -43,7 +45,7 @@ def no_brighter_than_around(light: FloatImage, known: FloatImage) -> FloatImage:
 
     It may be darker: a foot is in the shade of what stands on it, and the more so the nearer it is.
     """
-    around, is_near = _nearest(light, known)
+    around, is_near = _nearest(light, known, _NEAREST_PX)
     return np.where((known < 1) & is_near, np.minimum(light, around), light)
 
 
@@ -52,12 +54,12 @@ def carried_from_around(light: FloatImage, known: FloatImage) -> FloatImage:
 
     Without a known pixel nearby, it is left as it is.
     """
-    around, is_near = _nearest(light, known)
+    around, is_near = _nearest(light, known, _CARRIED_PX)
     return np.where((known < 1) & is_near, around, light)
 
 
-def _nearest(light: FloatImage, known: FloatImage) -> tuple[FloatImage, np.ndarray]:
+def _nearest(light: FloatImage, known: FloatImage, spread_px: float) -> tuple[FloatImage, np.ndarray]:
     """Return the mean light (H, W, K) of the nearest known pixels, and whether there are any (H, W, 1)."""
     moments = np.concatenate([light * known, known], axis=-1)
-    around, weight = np.split(cv2.GaussianBlur(moments, (0, 0), _NEAREST_PX, borderType=cv2.BORDER_REPLICATE), [-1], -1)
+    around, weight = np.split(cv2.GaussianBlur(moments, (0, 0), spread_px, borderType=cv2.BORDER_REPLICATE), [-1], -1)
     return around / np.maximum(weight, _MIN_WEIGHT), weight > _MIN_WEIGHT

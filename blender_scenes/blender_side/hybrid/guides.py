@@ -25,13 +25,15 @@ def is_floor(seen: Passes, times: int) -> FloatImage:
     return (reduced(seen[COVER][..., :1], times) > WHOLLY).astype(np.float32)
 
 
-def without_floor(light: FloatImage, passes: Passes) -> FloatImage:
+def without_floor(light: FloatImage, passes: Passes, cover: FloatImage) -> FloatImage:
     """Return the light (h, w, 3) on other things than the floor, also where a pixel shows both.
+
+    It does so by its own rays, or by the `cover` (h, w, 1) of the surfaces, which guided the denoiser.
 
     Such a pixel has a mean of the light on both. Multiplied by the colour of a shaded face in front of a bright floor,
     it would be a line at the edge of the face that is brighter than both.
     """
-    return carried_from_around(light, (passes[COVER][..., :1] == 0).astype(np.float32))
+    return carried_from_around(light, (np.maximum(passes[COVER][..., :1], cover) == 0).astype(np.float32))
 
 
 def weight_of_things(passes: Passes) -> FloatImage:

@@ -238,7 +238,7 @@ class HybridRenderer:
         of_floor = np.concatenate([np.broadcast_to(floor_alone, rest.shape), cover > 0] * 2, axis=-1)
         lines = np.where(of_floor > 0, local_lines(both, roughness, floor_alone), flat)
         of_things = self._denoised.keeping_mean(light, normal, weight=weight_of_things(passes))
-        of_things = without_floor(of_things, passes)
+        of_things = without_floor(of_things, passes, cover)
         return np.concatenate([of_things, lines, roughness], axis=-1)
 
     def _far_end(self, cover: FloatImage) -> float:

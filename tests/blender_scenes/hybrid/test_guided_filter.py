@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
+from blender_scenes.hybrid.guided_filter import carried_from_around, local_lines, no_brighter_than_around
 
 HEIGHT, WIDTH = 24, 32
 EVERYWHERE = np.ones((HEIGHT, WIDTH, 1), np.float32)
@@ -82,3 +82,14 @@ def test_a_shadow_at_a_foot_stays_as_dark_as_it_is():
 def test_light_where_all_is_floor_is_unchanged():
     light = np.random.default_rng(4).random((HEIGHT, WIDTH, 3)).astype(np.float32)
     np.testing.assert_array_equal(no_brighter_than_around(light, EVERYWHERE), light)
+
+
+def test_light_is_carried_over_an_edge_of_three_pixels_and_no_further():
+    """Left of the edge, light is known; right of it there is other light, and a mixture in between."""
+    light = np.ones((HEIGHT, WIDTH, 3), np.float32)
+    light[:, 16:19], light[:, 19:] = 3.0, 5.0
+    known = (np.arange(WIDTH) < 16).astype(np.float32)[None, :, None] * EVERYWHERE
+    carried = carried_from_around(light, known)
+    np.testing.assert_array_equal(carried[:, :16], light[:, :16])
+    np.testing.assert_allclose(carried[:, 16:19], 1.0, rtol=1e-5)
+    np.testing.assert_array_equal(carried[:, 22:], light[:, 22:])
