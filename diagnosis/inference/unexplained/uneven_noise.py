@@ -2,13 +2,14 @@
 
 Residuals about zero may be adequate and still scatter more on one material than on others, or more at a slant or when
 it is warm, which neither the stated noise nor an effect describes. The ranks of their absolute values are compared
-(Kruskal and Wallis, J. Am. Stat. Assoc. 47 (1952) 583), so that neither outliers nor a wrong level of the noise matter.
+between materials (Kruskal and Wallis, J. Am. Stat. Assoc. 47 (1952) 583) and correlated with angle and temperature
+(Spearman), so that neither outliers nor a wrong level of the noise matter.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
-from scipy.stats import kruskal
+from scipy.stats import kruskal, spearmanr
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
@@ -23,10 +24,13 @@ SIZES = ("incidence_rad", "temperature_C")
 """Covariates of which thirds of the rows are compared, by their size. Noise along the distance is stated, and that in
 much light has an effect."""
 THIRDS = ("lowest", "middle", "highest")
+_THIRD_OF = "the {} third of {}"
 TIMES = 1.5
 """Ratio of the noise on one material to that on the others from which it matters."""
 MIN_SIZE = 0.1
 """Median size of residuals [sigma] below which they count as equal, such as on a plateau, where nothing scatters."""
+AROUND = 4
+"""Number of rows before and after a row, from whose median its residual is counted."""
 MIN_ROWS = 4
 """Least number of rows of a material; those with fewer are left out."""
 UNEVEN = "noise that is"
@@ -44,25 +48,33 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         (number, rank, covariate)
         for number, quantity in enumerate(evidence.observed)
         for rank, covariate in enumerate(quantity.covariates)
-        if covariate.name in {MATERIAL, *SIZES} and not quantity.is_series
+        if covariate.name in {MATERIAL, *SIZES}
+        and not quantity.is_series
+        and np.count_nonzero(evidence.fit[evidence.places[number]]) > AROUND
     ]
     for number, rank, covariate in covariates:
         place, quantity = evidence.places[number], evidence.observed[number]
-        sizes = np.where(evidence.fit[place], np.abs(fit.z[place]), np.nan)
-        groups = _groups(covariate, sizes)
+        z = np.where(evidence.fit[place], fit.z[place], np.nan)
+        groups = _groups(covariate, np.abs(z))
         if len(groups) < 2 or len(np.unique(np.concatenate(list(groups.values())))) < 2:
             continue
         widest = max(groups, key=lambda label: float(np.median(groups[label])))
-        others = np.concatenate([group for label, group in groups.items() if label != widest])
-        times = float(np.median(groups[widest])) / max(float(np.median(others)), MIN_SIZE)
-        if times < TIMES:
+        times = _times(groups, widest)
+        if min(times, _times(_groups(covariate, _beside_neighbours(z)), widest)) < TIMES:
             continue
+        p = float(kruskal(*groups.values()).pvalue)
+        if covariate.name != MATERIAL:
+            # Noise grows or falls along a covariate; thirds in the middle that scatter more do so by chance.
+            if widest == _THIRD_OF.format(THIRDS[1], covariate.name):
+                continue
+            known = np.isfinite(z) & np.isfinite(covariate.values)
+            p = float(spearmanr(np.abs(covariate.values[known]), np.abs(z[known])).pvalue)
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
             covariate=covariate.name,
             what=f"{UNEVEN} {times:.1f} times as large for {widest} as for the others",
-            p=min(1.0, float(kruskal(*groups.values()).pvalue) * len(covariates)),
+            p=min(1.0, p * len(covariates)),
             explainable=0.0,
             rank=rank,
             basis=np.zeros((len(evidence.values), 1)),
@@ -71,12 +83,30 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         )
 
 
+def _times(groups: Mapping[str, Array], widest: str) -> float:
+    """Return the median of one group over that of the others."""
+    others = np.concatenate([group for label, group in groups.items() if label != widest])
+    return float(np.median(groups[widest])) / max(float(np.median(others)), MIN_SIZE)
+
+
+def _beside_neighbours(z: Array) -> Array:
+    """Return how far residuals (n,), in the order of their rows, are from the median of those around them.
+
+    The path of a slow drift is wide where it happens to be far from zero, and has even noise all the same.
+    """
+    known = np.isfinite(z)
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(z[known], AROUND, mode="reflect"), 2 * AROUND + 1)
+    sizes = np.full(len(z), np.nan)
+    sizes[known] = np.abs(z[known] - np.median(np.delete(around, AROUND, axis=1), axis=1))
+    return sizes
+
+
 def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
     """Return the absolute residuals of each material, or of each third of a covariate, that has enough rows."""
     if covariate.name == MATERIAL:
         numbers, names = covariate.values, [f"{MATERIAL} {name}" for name in covariate.labels]
     else:
-        numbers, names = _thirds(np.abs(covariate.values)), [f"the {name} third of {covariate.name}" for name in THIRDS]
+        numbers, names = _thirds(np.abs(covariate.values)), [_THIRD_OF.format(name, covariate.name) for name in THIRDS]
     groups = {}
     for number in np.unique(numbers[np.isfinite(numbers)]).tolist():
         inside = sizes[numbers == number]
