@@ -68,13 +68,27 @@ def check_order(overrides: Sequence[str]) -> None:
     for number, text in enumerate(overrides):
         name, _, value = text.partition("=")
         replaced = CAMERA if name.strip() == CAMERA and _is_named(text) else replaced_section(text)
-        lost = next((each for each in overrides[:number] if replaced and each.strip().startswith(f"{replaced}.")), None)
+        lost = next((each for each in overrides[:number] if replaced and _sets(each, replaced)), None)
         if lost is not None:
             raise InputError(
-                f"replaces all of {replaced}, and with it the {lost.partition('=')[0].strip()} before it",
+                f"discards the earlier --set {lost.partition('=')[0].strip()}",
                 where=f"--set {name.strip()}={value.strip()}",
-                cure=f"put it before --set {lost}",
+                cure="put the option with the name first",
             )
+
+
+def _sets(text: str, section: str) -> bool:
+    """Return whether an override sets something in a section, other than by a name that it replaces as well."""
+    name, _, value = text.partition("=")
+    name = name.strip()
+    if name.startswith(f"{section}."):
+        return True
+    if name == section:
+        return not _is_named(text)
+    if not section.startswith(f"{name}."):
+        return False
+    content = parse_yaml(value, f"--set {name}", with_lines=False).value
+    return isinstance(content, dict) and section.removeprefix(f"{name}.") in content
 
 
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:

@@ -98,6 +98,7 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
             "brightness": _within(median_of(photographs, lambda p: median_light(p, base.contrast, lost)), 0.01, 0.9),
             "compensation_ev": 0.0,
             "exposure_time_s": 0.0,
+            "manual_exposure": None,
             "defocus_share": 0.0,
             "lens_blur_px": _blur_px(target.edge_px**2 / _WIDTH_OF_SD**2 - 1 / 12),
             "shot_noise": max(base.shot_noise, 0.002),

@@ -83,7 +83,7 @@ def _headline_of_unexplained(diagnosis: Diagnosis, structure: Structure, names: 
         by = "the noise that nominal.yaml states" if diagnosis.measurement.nominal else "the stated noise"
         what = f"{structure.channel} has a {structure.what.replace('the stated noise', by)}"
     if structure.what.startswith(UNEVEN):
-        what = f"{structure.channel} has {structure.what}"
+        what = f"{structure.channel} has {_of_noise(structure)}"
     where = f"{what}, and no known effect explains this"
     if diagnosis.measurement.checks:
         where = f"{what}; the warning about the log names a likely cause"
@@ -275,7 +275,7 @@ def unexplained_sentence(structure: Structure) -> str:
         )
     if structure.what.startswith(UNEVEN):
         return (
-            f"The residuals of {structure.observed} have {structure.what}; the probability of this by chance is "
+            f"The residuals of {structure.observed} have {_of_noise(structure)}; the probability of this by chance is "
             f"{chance}."
         )
     words, _ = quantity_words(structure.covariate)
@@ -298,6 +298,11 @@ def unexplained_sentence(structure: Structure) -> str:
         f"The residuals of {structure.observed} have structure along {along(structure.covariate)} ({shape}); the "
         f"probability of this by chance is {chance}."
     )
+
+
+def _of_noise(structure: Structure) -> str:
+    """Return where the noise is larger, with the covariate in words."""
+    return structure.what.replace(structure.covariate, quantity_words(structure.covariate)[0])
 
 
 def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:

@@ -31,11 +31,25 @@ def test_a_setting_after_the_name_changes_that_setting_only():
         (("look.camera=phone", "look=garage"), "look.camera"),
         (("look.camera.vignetting=0.3", "look.camera={extends: phone}"), "look.camera.vignetting"),
         (("robot.wheel.radius_m=0.04", "seed=3", "robot=nominal"), "robot.wheel.radius_m"),
+        (("look={camera: {vignetting: 0.9}}", "look.camera=phone"), "look"),
+        (("look.camera={vignetting: 0.9}", "look.camera=phone"), "look.camera"),
+        (("robot={drive: {track_m: 0.13}}", "robot=nominal"), "robot"),
     ],
 )
 def test_a_setting_before_the_name_that_replaces_it_is_refused(texts, lost):
-    with pytest.raises(InputError, match=f"and with it the {lost} before it; put it before --set {lost}="):
+    with pytest.raises(InputError, match=f"discards the earlier --set {lost}; put the option with the name first"):
         load_scenario("smoke", texts)
+
+
+def test_names_that_replace_each_other_are_no_fault():
+    assert camera("look=garage", "look=night", "look.camera=phone", "look.camera=webcam").name == "webcam"
+
+
+def test_a_named_camera_has_no_manual_exposure_of_the_look(tmp_path):
+    exposed = "extends: garage\nname: exposed\ncamera: {exposure_time_s: 0.01, manual_exposure: {iso: 100}}\n"
+    (tmp_path / "exposed.yaml").write_text(exposed)
+    assert camera(f"look={tmp_path / 'exposed.yaml'}").manual_exposure.iso == 100
+    assert camera(f"look={tmp_path / 'exposed.yaml'}", "look.camera=phone").manual_exposure is None
 
 
 def test_files_name_and_extend_cameras_and_keep_nothing_of_the_look_that_they_extend(tmp_path):

@@ -24,8 +24,8 @@ def is_unfiltered(value: ColourFilter) -> bool:
 class ManualExposure(Section):
     """Manual exposure, which is the same in all images of all runs; its time is `exposure_time_s`.
 
-    A luminance of L cd/m2 has the linear value L t S / (120 N^2), with the time t, the speed S and the f-number N;
-    white is 1.
+    White light of a luminance of L cd/m2 has the linear value L t S / (120 N^2), with the time t, the speed S and the
+    f-number N; white is 1.
     """
 
     iso: float = Field(ge=1, le=1_000_000)
@@ -50,7 +50,7 @@ class CameraLook(Section):
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
     """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness depends
     on it only with `manual_exposure`, and noise does not."""
-    manual_exposure: ManualExposure | None = Field(default_factory=absent, exclude_if=lambda exposure: exposure is None)
+    manual_exposure: ManualExposure | None = Field(default=None, exclude_if=lambda exposure: exposure is None)
     """Manual exposure, in place of the automatic one with `brightness` and `exposure_adaption`."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
     """Colour temperature that is rendered neutral without automatic white balance."""

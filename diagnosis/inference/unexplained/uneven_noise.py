@@ -20,11 +20,9 @@ from symolo.core.arrays import Array
 
 MATERIAL = "material"
 """The category that is tested. Sweeps of a motor differ in how many rows stand still, and not in their noise."""
-SIZES = ("incidence_rad", "temperature_C")
-"""Covariates of which thirds of the rows are compared, by their size. Noise along the distance is stated, and that in
-much light has an effect."""
-THIRDS = ("lowest", "middle", "highest")
-_THIRD_OF = "the {} third of {}"
+ANGLE = "incidence_rad"
+GRADUAL = (ANGLE, "temperature_C")
+"""Covariates along which noise may grow. That along the distance is stated, and that in much light has an effect."""
 TIMES = 1.5
 """Ratio of the noise on one material to that on the others from which it matters."""
 MIN_SIZE = 0.1
@@ -48,7 +46,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         (number, rank, covariate)
         for number, quantity in enumerate(evidence.observed)
         for rank, covariate in enumerate(quantity.covariates)
-        if covariate.name in {MATERIAL, *SIZES}
+        if covariate.name in {MATERIAL, *GRADUAL}
         and not quantity.is_series
         and np.count_nonzero(evidence.fit[evidence.places[number]]) > AROUND
     ]
@@ -64,16 +62,14 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
             continue
         p = float(kruskal(*groups.values()).pvalue)
         if covariate.name != MATERIAL:
-            # Noise grows or falls along a covariate; thirds in the middle that scatter more do so by chance.
-            if widest == _THIRD_OF.format(THIRDS[1], covariate.name):
-                continue
-            known = np.isfinite(z) & np.isfinite(covariate.values)
-            p = float(spearmanr(np.abs(covariate.values[known]), np.abs(z[known])).pvalue)
+            along = _along(covariate)
+            known = np.isfinite(z) & np.isfinite(along)
+            p = float(spearmanr(along[known], np.abs(z[known])).pvalue)
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
             covariate=covariate.name,
-            what=f"{UNEVEN} {times:.1f} times as large for {widest} as for the others",
+            what=f"{UNEVEN} {times:.1f} times as large {widest} as in the others",
             p=min(1.0, p * len(covariates)),
             explainable=0.0,
             rank=rank,
@@ -102,11 +98,11 @@ def _beside_neighbours(z: Array) -> Array:
 
 
 def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
-    """Return the absolute residuals of each material, or of each third of a covariate, that has enough rows."""
+    """Return the sizes of the residuals on each material, or at high and at low values, with enough rows."""
     if covariate.name == MATERIAL:
-        numbers, names = covariate.values, [f"{MATERIAL} {name}" for name in covariate.labels]
+        numbers, names = covariate.values, [f"in rows of the material {name}" for name in covariate.labels]
     else:
-        numbers, names = _thirds(np.abs(covariate.values)), [_THIRD_OF.format(name, covariate.name) for name in THIRDS]
+        numbers, names = _halves(_along(covariate)), [f"in rows with a {h} {covariate.name}" for h in ("low", "high")]
     groups = {}
     for number in np.unique(numbers[np.isfinite(numbers)]).tolist():
         inside = sizes[numbers == number]
@@ -116,10 +112,17 @@ def _groups(covariate: Covariate, sizes: Array) -> dict[str, Array]:
     return groups
 
 
-def _thirds(values: Array) -> Array:
-    """Return the third, 0 to 2, in which each value (n,) lies; NaN where it is not known."""
+def _along(covariate: Covariate) -> Array:
+    """Return the values (n,) along which noise may grow: an angle counts alike to both sides."""
+    return np.abs(covariate.values) if covariate.name == ANGLE else covariate.values
+
+
+def _halves(values: Array) -> Array:
+    """Return 1 for values (n,) above their median and 0 for others, NaN where one is not known.
+
+    If half of the rows or more have the largest value, those are the ones above.
+    """
     known = np.isfinite(values)
-    if not known.any():
-        return np.full(len(values), np.nan)
-    edges = np.quantile(values[known], [1 / 3, 2 / 3])
-    return np.where(known, np.searchsorted(edges, values, side="left").astype(float), np.nan)
+    median = np.median(values[known]) if known.any() else np.nan
+    above = values > median if np.any(values[known] > median) else values >= median
+    return np.where(known, above.astype(float), np.nan)

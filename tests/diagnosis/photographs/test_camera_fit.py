@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from configs.schema.appearance.camera_look import CameraLook
+from configs.schema.appearance.camera_look import CameraLook, ManualExposure
 from diagnosis.photographs.camera_fit import CameraTarget, fit_camera
 from diagnosis.photographs.line_place import find_lines
 from diagnosis.photographs.measures import PhotographMeasures, vignetting
@@ -64,6 +64,11 @@ def test_photographs_without_colours_are_of_a_monochrome_camera_with_their_noise
     assert monochrome.look.colour_filter == "monochrome"
     assert monochrome.measures.floor_noise == pytest.approx(CameraTarget.of(target).floor_noise, rel=0.1)
     assert fitted.look.colour_filter == fit_camera(noisy, monochrome.look).look.colour_filter == "none"
+
+
+def test_a_manual_exposure_of_the_base_is_not_in_the_fit(noisy, fitted):
+    base = PLAIN.model_copy(update={"manual_exposure": ManualExposure(iso=200.0), "exposure_time_s": 0.01})
+    assert fit_camera(noisy, base).look == fitted.look
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.6])

@@ -67,22 +67,38 @@ def costs_of_waves(fit: HypothesisFit, ranges: RangeRows, rows: Mask) -> Iterato
     for covariate in ranges.covariates:
         if covariate.name == DISTANCE:
             yield _cost_of_wave(fit, ranges, covariate.values, rows, MIN_WAVES)
-    periods = max(1.0, np.count_nonzero(rows) / MIN_ROWS_OF_WAVE - MIN_WAVES_OF_TIME)
-    yield _cost_of_wave(fit, ranges, ranges.time_s, rows, MIN_WAVES_OF_TIME) + 2.0 * float(np.log(periods))
+    yield _cost_of_wave(fit, ranges, ranges.time_s, rows, MIN_WAVES_OF_TIME, of_each_period=True)
 
 
-def _cost_of_wave(fit: HypothesisFit, ranges: RangeRows, along: Array, rows: Mask, least: float) -> float:
-    """Return the cost of white noise about the best wave along values (N,) with at least so many periods."""
+def _cost_of_wave(
+    fit: HypothesisFit,
+    ranges: RangeRows,
+    along: Array,
+    rows: Mask,
+    min_waves: float,
+    *,
+    of_each_period: bool = False,
+) -> float:
+    """Return the cost of white noise about the best wave along values (N,) with at least so many periods.
+
+    Args:
+        fit: The fit whose residuals are tested.
+        ranges: The samples.
+        along: (N,), the values.
+        rows: (N,), the samples that count.
+        min_waves: Least number of waves.
+        of_each_period: Whether all whole numbers of waves share the probability.
+    """
     known = rows & np.isfinite(along)
     if not known.any():
         return np.inf
     series = RangeSeries.of(fit, ranges, along, known)
     turns = 2.0 * np.pi * (series.at - series.at[0]) / max(float(np.ptp(series.at)), 1e-12)
-    best = np.inf
-    for waves in np.arange(least, len(np.unique(series.at)) / MIN_ROWS_OF_WAVE, STEP_OF_WAVES):
+    best, max_waves = np.inf, len(np.unique(series.at)) / MIN_ROWS_OF_WAVE
+    for waves in np.arange(min_waves, max_waves, STEP_OF_WAVES):
         both = np.stack([np.cos(waves * turns), np.sin(waves * turns)], axis=1) / series.sd_m[:, None]
         best = min(best, series.cost_of(left_over(series.z, both)))
-    return best
+    return best + (2.0 * float(np.log(max(1.0, max_waves - min_waves))) if of_each_period else 0.0)
 
 
 def _in_units_of(fit: HypothesisFit, ranges: RangeRows, unit: Array) -> HypothesisFit:

@@ -38,16 +38,19 @@ def test_noise_on_one_material_is_unexplained_and_gets_no_name(diagnosed):
     diagnosis = diagnosed(lambda name: 4.0 if name == "black_card" else 1.0)
     assert diagnosis.names == ()
     assert diagnosis.answer()["unexplained_where"] == {"channel": "reading_m", "covariate": "material"}
-    assert "as large for material black_card as for the others" in headline(diagnosis)
-    assert "as large for material black_card as for the others" in unexplained_sentence(diagnosis.unexplained)
+    where = "times as large in rows of the material black_card as in the others"
+    assert where in headline(diagnosis)
+    assert where in unexplained_sentence(diagnosis.unexplained)
 
 
-@pytest.mark.parametrize(("column", "edge"), [("incidence_rad", 0.35), ("temperature_C", 25.0)])
-def test_noise_at_a_slant_or_in_warmth_is_unexplained_and_gets_no_name(diagnosed, column, edge):
+@pytest.mark.parametrize(
+    ("column", "edge", "words"), [("incidence_rad", 0.35, "angle of incidence"), ("temperature_C", 25.0, "temperature")]
+)
+def test_noise_at_a_slant_or_in_warmth_is_unexplained_and_gets_no_name(diagnosed, column, edge, words):
     diagnosis = diagnosed(lambda value: 5.0 if abs(value) > edge else 1.0, column)
     assert diagnosis.names == ()
     assert diagnosis.answer()["unexplained_where"] == {"channel": "reading_m", "covariate": column}
-    assert f"as large for the highest third of {column} as for the others" in headline(diagnosis)
+    assert f"times as large in rows with a high {words} as in the others" in headline(diagnosis)
 
 
 def test_noise_on_all_materials_is_even(diagnosed):
@@ -68,6 +71,22 @@ def test_only_a_difference_that_matters_is_uneven(sizes, is_uneven):
     evidence = SimpleNamespace(observed=(quantity,), places=(slice(0, 6000),), fit=everything, values=z)
     found = list(uneven_noise(evidence, SimpleNamespace(z=z, hypothesis=SimpleNamespace(effects=()))))
     assert [structure.p < 1e-3 for structure in found] == [True] * is_uneven
+
+
+@pytest.mark.parametrize("warm_C", [np.linspace(-20.0, 20.0, 90), np.repeat([20.0, 40.0], [30, 60])])
+def test_noise_in_the_cold_is_uneven(warm_C):
+    """From frost to warmth, or at two temperatures only; the residuals have five times the noise in the colder rows."""
+    rows = np.random.default_rng(5).permutation(len(warm_C))
+    z = np.random.default_rng(6).standard_normal(len(warm_C)) * np.where(
+        warm_C[rows] <= np.median(warm_C[:60]), 5.0, 1.0
+    )
+    covariate = Covariate("temperature_C", warm_C[rows])
+    quantity = SimpleNamespace(name="reading_m", channel="reading_m", covariates=(covariate,), is_series=False)
+    everything = np.ones(len(z), dtype=bool)
+    evidence = SimpleNamespace(observed=(quantity,), places=(slice(0, len(z)),), fit=everything, values=z)
+    (found,) = uneven_noise(evidence, SimpleNamespace(z=z, hypothesis=SimpleNamespace(effects=())))
+    assert found.p < 1e-3
+    assert "in rows with a low temperature_C" in found.what
 
 
 def test_readings_at_a_limit_do_not_scatter_whatever_their_material(tmp_path):
