@@ -35,7 +35,8 @@ class BodyShadows:
     def may_reach(self, view: FrameView, ground: FloatImage, spare_m: FloatImage) -> np.ndarray:
         """Return whether the floor at points (H, W, 2) in W is in a shadow, or nearer to one than `spare_m` (H, W).
 
-        It counts the convex hull of each body's shadow at each moment of the exposure. Points with NaN are in none.
+        It counts the convex hull of each body's shadow with all of its border, at each moment of the exposure. Points
+        with NaN are in none.
         """
         near = np.zeros(ground.shape[:2], bool)
         for moment in _moments(view):
@@ -91,9 +92,10 @@ class BodyShadows:
         return shadow_mask(faces, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
-        """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor."""
+        """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor and its border."""
         vertices = body @ X_WB[:3, :3].T + X_WB[:3, 3]
-        points = on_floor(vertices, self._light.middle)
+        # A point of the light between its corners throws the shadow of a vertex between those that the corners throw.
+        points = np.concatenate([on_floor(vertices, corner) for corner in self._light.corners()])
         hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
         (x, y), (next_x, next_y) = hull.T, np.roll(hull, -1, axis=0).T
         return hull if np.sum(x * next_y - next_x * y) > 0 else hull[::-1]

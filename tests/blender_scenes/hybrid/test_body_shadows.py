@@ -7,14 +7,16 @@ import pytest
 
 from blender_scenes.hybrid import body_shadows
 from blender_scenes.hybrid.body_shadows import BodyShadows
-from blender_scenes.hybrid.floor_sight import FloorSight, filter_points
+from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight, filter_points
 from blender_scenes.hybrid.shadow_mask import shadow_mask
 from blender_scenes.hybrid.small_lights import SmallLamp, SmallLight, SunDisc
 from blender_scenes.scene.description import LightPanel, Mesh, Sun
 from blender_scenes.scene.meshes import block
+from configs.schema.robot import Camera
 from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView, Moment
-from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics, pose_X_RC
+from symolo.core.geometry.poses import pose_X_WR
 
 ELEVATION = np.radians(30.0)
 SUN = Sun((-float(np.cos(ELEVATION)), 0.0, float(np.sin(ELEVATION))), (1.0,) * 3, 0.009)
@@ -126,6 +128,63 @@ def test_the_shadow_of_a_lamp_spreads_from_the_lamp_and_has_the_border_of_its_si
     assert (rise * beyond).sum() == pytest.approx(end_m, abs=0.001)
     spread_m = LAMP_SIZE_M * HEIGHT_M / (LAMP_M - HEIGHT_M) / np.sqrt(12)
     assert np.sqrt((rise * (beyond - end_m) ** 2).sum()) == pytest.approx(spread_m, rel=0.15)
+
+
+TALL_M = 0.4
+TALL = block("body", (0.0, 0.0, 0.5 * TALL_M), (0.1, 2.0, TALL_M), "red")
+EDGE_M, LAMP_X_M = 0.2, -1.4
+"""Where the shadow of its upper edge lies across the view, and where the lamps are."""
+AHEAD = Intrinsics(160, 120, 113.4, 113.4, 79.5, 59.5)
+MOUNTED = Camera(
+    x_m=0.05, y_m=0.0, height_above_base_m=0.07, pitch_down_deg=30.0, focal_length_mm=30.0, sensor_width_mm=42.33
+)
+X_WC = pose_X_WR(0.0, 0.0, 0.0) @ pose_X_RC(MOUNTED, base_height_m=0.05)
+TILT = np.radians(40.0)
+TILTED = (float(np.cos(TILT)), 0.0, -float(np.sin(TILT)))
+"""Side of a lamp that shines backwards, away from the camera: its front is lower than its back."""
+
+
+def _lamp(height_m: float, size_m: float, right: tuple[float, float, float] = (1.0, 0.0, 0.0)) -> SmallLamp:
+    up = tuple(np.cross(right, (0.0, 0.0, 1.0)) / np.hypot(*right[:2]))
+    return SmallLamp(LightPanel("lamp", (LAMP_X_M, 0.0, height_m), right, up, size_m, size_m, (1.0,) * 3))
+
+
+@pytest.mark.parametrize(
+    "light",
+    [
+        _lamp(2.5, 0.3),
+        _lamp(1.1, 0.07),
+        _lamp(2.5, 0.3, right=TILTED),
+        _lamp(2.5, 0.3, right=(0.5**0.5, 0.5**0.5, 0.0)),
+        SunDisc(replace(SUN, angular_diameter_rad=0.04)),
+    ],
+    ids=["wide lamp", "desk lamp", "tilted lamp", "lamp with a corner ahead", "sun"],
+)
+def test_all_shade_lies_where_a_shadow_is_expected(light):
+    """The other rows of an image are taken as fully lit, so the border of a shadow would be cut off along a row."""
+    x, _, z, far = light.corners().mean(axis=0)
+    front_m = EDGE_M - TALL_M * (EDGE_M * far - x) / z
+    view = FrameView(1, 0.0, (0.0, 0.0, 0.0), tuple(map(tuple, X_WC.tolist())), ((front_m - 0.05, 0.0, 0.0),))
+    sight = FloorSight(AHEAD, view, row_share=0.0)
+    shadows = BodyShadows(light, (), (TALL,))
+    filters = [(filter_points(1.5), np.ones((120, 160), bool))]
+    share = shadows.visible_share(view, sight, filters, slice(0, 120))
+    reached = shadows.may_reach(view, sight.points(view, MIDDLE), 2 * sight.pixel_m()[1])
+    assert (share[reached] < 0.5).any()
+    assert share[~reached] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("right", [(1.0, 0.0, 0.0), TILTED])
+def test_the_border_of_a_lamps_shadow_ends_where_one_side_of_the_lamp_throws_the_upper_edge(right):
+    """By similar triangles."""
+    size_m, height_m = 0.3, 2.5
+    shadows = BodyShadows(_lamp(height_m, size_m, right), (), (TALL,))
+    ends_m = []
+    for side in (-0.5, 0.5):
+        x_m, z_m = LAMP_X_M + side * size_m * right[0], height_m + side * size_m * right[2]
+        ends_m.append((z_m * HALF_M - TALL_M * x_m) / (z_m - TALL_M))
+    at = _view((9.0, 9.0, 0.0), ((0.0, 0.0, 0.0),))
+    assert [_reached(shadows, at, max(ends_m) + more_m) for more_m in (-0.001, 0.001)] == [True, False]
 
 
 def test_the_border_of_a_moving_shadow_is_blurred_over_its_path():
