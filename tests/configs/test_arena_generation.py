@@ -22,7 +22,7 @@ from configs.schema.arena_generator import ArenaGenerator, Clearance
 from physics.run.lap import LapDetector
 from symolo.arena.footprints import obstacle_footprint, wall_footprint
 from symolo.arena.geometry import Arena
-from symolo.core.errors import FaultsError, InputError
+from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 
 SEEDS = range(200)
@@ -418,35 +418,3 @@ def test_an_obstacle_that_reaches_into_the_path_past_it_is_not_put(width_m, turn
 
 def test_an_obstacle_at_the_start_is_not_put():
     assert not Site(replace(STADIUM, start_m=1.0), (), FLOOR_M, Clearance()).put_obstacle(CUBE, 1.2)
-
-
-@pytest.mark.parametrize(
-    ("settings", "names", "scale"),
-    [
-        # 0.6 of the width is 0.24 m of 0.16 m; 0.19 m and half the diagonal are 0.409 m of 0.35 m.
-        (["robot.chassis.width_m=0.4"], ["beside_m: too little", "passing_m: too little"], "2.36"),
-        # 0.6 of the width is 0.168 m; half the diagonal is 0.166 m, and nothing is passed.
-        (
-            ["robot.chassis.width_m=0.28", "arena.generate.min_obstacles=0", "arena.generate.max_obstacles=0"],
-            ["beside_m: too"],
-            "1.65",
-        ),
-        # Half the diagonal is 0.190 m.
-        (["robot.chassis.length_m=0.34"], ["passing_m: too little room"], "1.89"),
-    ],
-)
-def test_a_random_arena_that_is_too_small_for_the_robot_is_refused_with_the_scale_that_fits(settings, names, scale):
-    with pytest.raises((InputError, FaultsError)) as error:
-        load_scenario("random_arenas", settings)
-    assert len(getattr(error.value, "faults", [error.value])) == len(names)
-    assert all(name in str(error.value) for name in names)
-    assert f"such as `arena: {{extends: random, scale: {scale}}}`" in str(error.value)
-    assert "--set robot.chassis" in str(error.value)
-    body = [setting for setting in settings if setting.startswith("robot")]
-    load_scenario("random_arenas", [*body, f"arena={{extends: random, scale: {scale}}}"])
-
-
-def test_robots_up_to_the_nominal_size_and_scaled_arenas_are_as_before():
-    for robot in ("nominal", "fleet", "worn", "micromouse"):
-        load_scenario("random_arenas", [f"robot={robot}"])
-    load_scenario("random_arenas", ["robot=scout", "arena={extends: random, scale: 1.95}"])
