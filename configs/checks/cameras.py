@@ -7,12 +7,11 @@ from dataclasses import replace
 from pydantic import ValidationError
 
 from configs.checks.look import exposure_faults
+from configs.checks.optics import optics_faults
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.robot import Camera
 from configs.schema.scenario import Render, Scenario, SceneSpec
 from configs.validation.faults import ConfigFault
-from symolo.core.geometry.lens import lens_problem
-from symolo.core.yaml.tree import FieldPath
 from symolo.dataset.documents.camera_specification import KIND as CAMERA
 from symolo.dataset.documents.camera_specification import further_cameras, specification_of
 
@@ -20,24 +19,14 @@ from symolo.dataset.documents.camera_specification import further_cameras, speci
 def lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
     """Yield what is wrong with the lens of the camera of data.csv."""
     camera, render = scenario.robot.camera, scenario.render
-    if camera.fisheye is not None:
-        if render.method == "hybrid":
-            cure = "leave it out: images through a fisheye lens are traced in full"
-            path: FieldPath = ("render", "method")
-            yield ConfigFault(
-                path, "it makes pinhole images", "hybrid", against=("robot", "camera", "fisheye"), cure=cure
-            )
-        if any(value for _, value in camera.distortion):
-            problem = "it is that of a pinhole camera, but the camera has a fisheye lens"
-            cure = "the coefficients of a fisheye lens are fisheye.k1 to fisheye.k4"
-            yield ConfigFault(("robot", "camera", "distortion"), problem, cure=cure)
-    if problem := lens_problem(camera, render.width_px, render.height_px):
-        field, lens = ("fisheye", camera.fisheye) if camera.fisheye else ("distortion", camera.distortion)
-        got = ", ".join(f"{name} {value:g}" for name, value in lens if value and name != "field_of_view_deg")
-        cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
-        if camera.fisheye:
-            cure = "take smaller coefficients or a narrower field of view"
-        yield ConfigFault(("robot", "camera", field), problem, got=got, cure=cure)
+    if camera.fisheye is not None and render.method == "hybrid":
+        allowed, cure = "auto or full", "leave it out: images through a fisheye lens are traced in full"
+        against = ("robot", "camera", "fisheye")
+        yield ConfigFault(
+            ("render", "method"), "it makes pinhole images", "hybrid", allowed, against=against, cure=cure
+        )
+    for fault in optics_faults(camera, render.width_px, render.height_px):
+        yield replace(fault, path=("robot", "camera", *fault.path))
 
 
 def camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
+from configs.checks.optics import optics_faults
 from configs.robot_sensors import MountedSettings
 from configs.schema.base import PLANNED, FromList, absent, disagreement
 from configs.schema.field_of_view import SENSOR_WIDTH_MM, with_focal_length
@@ -12,7 +13,6 @@ from configs.schema.robot import FisheyeLens, LensDistortion
 from configs.schema.scenario import RenderQuality
 from configs.validation.faults import ConfigFault
 from sensors.base import Reading, Sensor, World
-from symolo.core.geometry.lens import lens_problem
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.documents.camera_specification import KIND
 
@@ -71,13 +71,7 @@ class CameraSettings(MountedSettings):
     _period = model_validator(mode="before")(_with_period)
 
     def faults(self) -> Iterator[ConfigFault]:
-        if self.fisheye is not None and any(value for _, value in self.distortion):
-            cure = "the coefficients of a fisheye lens are fisheye.k1 to fisheye.k4"
-            problem = "it is that of a pinhole camera, but the camera has a fisheye lens"
-            yield ConfigFault(("distortion",), problem, cure=cure)
-        if problem := lens_problem(self, self.width_px, self.height_px):
-            cure = "take smaller coefficients or a narrower field of view"
-            yield ConfigFault(("fisheye",) if self.fisheye else ("distortion",), problem, cure=cure)
+        yield from optics_faults(self, self.width_px, self.height_px)
 
 
 class Camera(Sensor):
