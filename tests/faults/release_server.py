@@ -27,6 +27,7 @@ import symolo.exporters.export  # noqa: F401 - likewise
 from blender_scenes.render import renderer
 from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
+from blender_scenes.render.job_file import read_job
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline import cli
@@ -83,7 +84,7 @@ class Outcome:
 
 def _painted(request, *_limits_and_callback: object) -> Iterator:
     """In place of Blender: noise that the frame's number decides, put in place as Blender's side does."""
-    job = RenderJob.from_json(Path(request.job_path).read_text())
+    job = RenderJob.from_json(read_job(Path(request.job_path)).decode())
     size = job.camera.height_px, job.camera.width_px, 3
     for number in request.numbers:
         noise = np.random.Generator(np.random.PCG64(number))

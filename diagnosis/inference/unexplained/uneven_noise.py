@@ -64,7 +64,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         if covariate.name != MATERIAL:
             along = _along(covariate)
             known = np.isfinite(z) & np.isfinite(along)
-            p = float(spearmanr(along[known], np.abs(z[known])).pvalue)
+            _, p = np.asarray(spearmanr(along[known], np.abs(z[known]))).tolist()
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
