@@ -55,6 +55,8 @@ ELSEWHERE = {
     "--like diagnosis --out data": "likewise; the diagnosis of that command",
     "compass.py": "the sensor of CONTRIBUTING.md; tests/contracts/test_own_sensor.py loads such a file",
     "my_bench": "a bench of the reader; test_quoted_outputs.py runs the one of the page",
+    "cases/*/": "needs cases that the command of `benchmarks` above it makes",
+    "next/next_drive.py": "needs a designed drive; tests/diagnosis/next_trial/test_drives.py designs some",
     "cases/tof_bench": "needs a case that test_quoted_outputs.py makes",
     "law/": "likewise; the law of that command",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/recordings/real_sets.py runs them",
