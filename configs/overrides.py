@@ -94,6 +94,8 @@ def _sets(text: str, section: str) -> bool:
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:
     if not rest:
         return merge(node, value)
+    if node.value is None:  # a section that is absent by default
+        node = Node({}, where)
     if isinstance(node.value, dict):
         fresh = Node({} if len(rest) > 1 else None, where)
         inner = _set(node.value.get(rest[0], fresh), rest[1:], (*path, rest[0]), value, where)
