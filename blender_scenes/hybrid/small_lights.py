@@ -17,6 +17,8 @@ _MIN_TIMES_HEIGHT = 1.5
 
 
 class SunDisc:
+    """The sun, a disc at no finite distance."""
+
     def __init__(self, sun: Sun) -> None:
         self.name = "sun"
         self._towards, self._diameter_rad = np.array(sun.towards), sun.angular_diameter_rad
@@ -55,6 +57,8 @@ class SunDisc:
 
 
 class SmallLamp:
+    """A lamp that is a small rectangle."""
+
     def __init__(self, panel: LightPanel) -> None:
         self.name = panel.name
         self._panel, self._height_m = panel, panel.center[2]
@@ -100,6 +104,7 @@ class SmallLamp:
 
 
 SmallLight = SunDisc | SmallLamp
+"""Both have the same methods."""
 
 
 def on_floor(points: Array, light: Array) -> Array:

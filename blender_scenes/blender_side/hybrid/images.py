@@ -21,9 +21,9 @@ from blender_scenes.blender_side.hybrid.guides import (
     weight_of_things,
     without_floor,
 )
+from blender_scenes.blender_side.hybrid.hard_light import HardLight, HardLightTracer, matt_light
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
-from blender_scenes.blender_side.hybrid.sharp_light import SharpLight, SharpLightTracer, matt_light
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_layers import FloorLayers
 from blender_scenes.hybrid.floor_light import without_noise
@@ -123,7 +123,7 @@ class HybridRenderer:
         self._light_pixel_m = self._near * self._per_light_pixel(along_m)
         few, many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         self._filters = (few, ~(slanted := along_m > _STEEP * across_m)), (many, slanted)
-        self._sharp = SharpLightTracer(job.scene, self._scenes, self._samples.near, self._sight, self._filters)
+        self._hard_light = HardLightTracer(job.scene, self._scenes, self._samples.near, self._sight, self._filters)
         texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
         finest_m = max(float(np.nanmin(texel_m, initial=_MAX_TEXEL_M)), _MIN_TEXEL_M)
         # Rounded, because a different last digit on another processor would move all texels.
@@ -141,13 +141,13 @@ class HybridRenderer:
         """Return the linear light (H, W, 3) of the pinhole image of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         ground = self._per_light_pixel(self._ground(view, MIDDLE))
-        sharp = self._sharp.traced(view, (seed + 3) % 2**31, (moved, still), ground, self._light_pixel_m)
+        hard = self._hard_light.traced(view, (seed + 3) % 2**31, (moved, still), ground, self._light_pixel_m)
         # Other random numbers than the light has, or their errors would add up.
         seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         needed = cover[..., 0] > 0
         reflectance, seen[ROUGHNESS], normal = np.split(self._floor(view, needed), [3, 4], axis=-1)
-        share, hidden, traced = self._near_light(moved, still, sharp, seen)
+        share, hidden, traced = self._near_light(moved, still, hard, seen)
         floor = reflectance * self._floor_light(view, needed, normal, hidden)
         end = self._far_end(cover)
         if end:
@@ -177,7 +177,7 @@ class HybridRenderer:
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
     def _near_light(
-        self, moved: Passes, still: Passes, sharp: SharpLight | None, seen: Passes
+        self, moved: Passes, still: Passes, hard: HardLight | None, seen: Passes
     ) -> tuple[FloatImage, list[Hidden], FloatImage]:
         """Return the ratio (H, W, 3) of the light with and without what moves, and the channels of `_traced`.
 
@@ -185,9 +185,9 @@ class HybridRenderer:
         """
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
-        with_and_without = sharp.rest if sharp else (matt_light(moved), matt_light(still))
+        with_and_without = hard.rest if hard else (matt_light(moved), matt_light(still))
         pair = [self._denoised(light, normal) for light in with_and_without]
-        shaded = sharp.shaded if sharp else ()
+        shaded = hard.shaded if hard else ()
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
         floor_alone = is_floor(seen, self._near)
         of_floor = [no_brighter_than_around(light, floor_alone) for light in (*pair, *(one.still for one in shaded))]

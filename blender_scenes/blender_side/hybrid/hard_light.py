@@ -40,7 +40,7 @@ class ShadedLight:
 
 
 @dataclass(frozen=True)
-class SharpLight:
+class HardLight:
     """The light on the floor, with and without what moves, divided into that of a few lights and the rest."""
 
     rest: tuple[FloatImage, FloatImage]
@@ -48,7 +48,7 @@ class SharpLight:
     shaded: tuple[ShadedLight, ...]
 
 
-class SharpLightTracer:
+class HardLightTracer:
     def __init__(
         self,
         scene: Scene,
@@ -69,7 +69,7 @@ class SharpLightTracer:
 
     def traced(
         self, view: FrameView, seed: int, lights: tuple[Passes, Passes], ground: FloatImage, spare_m: FloatImage
-    ) -> SharpLight | None:
+    ) -> HardLight | None:
         """Return the light of a view; None where nothing that moves shades the floor in sight from a small light.
 
         Args:
@@ -92,7 +92,7 @@ class SharpLightTracer:
         names = {one.light.name for one in shaded}
         lamps = self._scenes.lamplight(every.shape[::-1], self._samples, seed, view, names)
         with_, without = (light + passes["DiffInd"] for light, passes in zip(lamps, lights, strict=True))
-        return SharpLight((with_, without), tuple(shaded))
+        return HardLight((with_, without), tuple(shaded))
 
     def _shaded(
         self,
