@@ -19,7 +19,8 @@ from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, earlier, seen_from_body
+from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, seen_from_body
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.heading_error import turned_by
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s
 from diagnosis.predictors.wheels import Wheels

@@ -46,7 +46,7 @@ def observed_channel(
         correlation=channels[0].noise_correlation if channels else 0.0,
         trial=trial_of_rows(measurement),
         t_s=joined(trial.t_s for trial in measurement.trials),
-        holdout=joined(trial.holdout for trial in measurement.trials),
+        holdout=held_out_rows(measurement),
         usable=usable,
         covariates=covariates,
         noise_is_stated=all(channel.noise_sd is not None for channel in channels),
@@ -61,6 +61,11 @@ def good_values(measurement: Measurement, name: str) -> Array:
         values = [np.where(channel.good, channel.values, np.nan) for channel in channels]
         parts.append(values[0] if values else np.full(len(trial.t_s), np.nan))
     return joined(parts)
+
+
+def held_out_rows(measurement: Measurement) -> Mask:
+    """Return which rows of all trials are held out, (n,)."""
+    return joined(trial.holdout for trial in measurement.trials)
 
 
 def trial_of_rows(measurement: Measurement) -> NDArray[np.int64]:

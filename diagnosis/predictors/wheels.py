@@ -30,6 +30,7 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import (
     bridged,
     good_values,
+    held_out_rows,
     joined,
     rows_after,
     session_time_s,
@@ -270,7 +271,7 @@ class Wheels:
         angle_rad = 2.0 * pi / self._counts * good_values(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
         speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
-        split = joined(trial.holdout for trial in measurement.trials)
+        split = held_out_rows(measurement)
         holdout = split.copy()
         # A mean speed is computed from two rows, and held out if one of them is.
         holdout[self._first] = split[self._first] | split[self._next]

@@ -21,6 +21,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, SharedReading
 from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, heading_error_rad, turned_by
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.reversals import reversal_covariates
@@ -28,6 +29,7 @@ from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
     good_values,
+    held_out_rows,
     joined,
     rows_after,
     session_time_s,
@@ -301,7 +303,7 @@ class Pose:
         sds, correlations, of_poses = self._noise(measurement, nominal)
         # A place is seen from the body, which has turned until the later window begins.
         alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
-        holdout = joined(trial.holdout for trial in measurement.trials)[np.stack([first, last])].any(axis=0)
+        holdout = held_out_rows(measurement)[first] | held_out_rows(measurement)[last]
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
         if isinstance(measurement.nominal, KnownWheels):
             # The noise of a real camera. Simulated runs do not scatter, and then the guess stays.
@@ -366,35 +368,3 @@ def seen_from_body(yaw_rad: Array, change: Array) -> Array:
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, turn = change[..., 0], change[..., 1], change[..., 2]
     return np.stack(np.broadcast_arrays(c * x + s * y, c * y - s * x, turn), axis=-1)
-
-
-def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
-    """Return poses (..., n, k) a delay before the times of their rows, interpolated between rows.
-
-    Args:
-        pose: Poses of all trials, or some of their components.
-        t_s: (n,), times of the rows.
-        trials: Number of rows of each trial; outside a trial its first or last pose is used.
-        delay_s: One delay, or (M, 1), or one for each row, (n,) or (M, n).
-    """
-    if np.all(np.equal(delay_s, 0.0)):
-        return pose
-    delay_s = np.broadcast_to(delay_s, (*np.shape(delay_s)[:-1], len(t_s)))
-    parts, begin = [], 0
-    for rows in trials:
-        part = slice(begin, begin + rows)
-        times, poses = t_s[part], pose[..., part, :]
-        begin += rows
-        if rows < 2:
-            parts.append(poses)
-            continue
-        # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
-        wanted_s = np.clip(times - delay_s[..., part], times[0], times[-1])
-        after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
-        share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
-        shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
-        poses, index = np.broadcast_to(poses, (*shape, poses.shape[-1])), np.broadcast_to(after, shape)[..., None]
-        before, later = (np.take_along_axis(poses, place, axis=-2) for place in (index - 1, index))
-        parts.append(before + share * (later - before))
-    shape = max((part.shape[:-2] for part in parts), key=len)
-    return np.concatenate([np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in parts], axis=-2)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.pose.by_counts import SIDES, earlier
+from diagnosis.predictors.pose.by_counts import SIDES
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.smoothed_pose import smoothed_earlier
 from diagnosis.predictors.rows import bridged, good_values, joined

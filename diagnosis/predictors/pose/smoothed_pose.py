@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.pose.by_counts import earlier
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.rows import bridged
 from symolo.core.arrays import Array
 

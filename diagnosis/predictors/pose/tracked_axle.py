@@ -9,7 +9,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.pose.by_counts import earlier
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.guided_pose import GuidedPoses
 from diagnosis.predictors.pose.heading_error import heading_error_rad, turned_by
 from diagnosis.predictors.pose.pose_noise import PoseNoise

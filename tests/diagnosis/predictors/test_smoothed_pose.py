@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.noise_level import lasting
-from diagnosis.predictors.pose.by_counts import earlier
+from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.smoothed_pose import NOISE_SHARE, smoothed_earlier
 from diagnosis.predictors.ranges.base import SHARED
 
