@@ -1,7 +1,7 @@
 """Light on a floor in the shade: of a sunlit wall, against a full image; of the sky, at the foot of a wall, and in the
 shadow of what moves, in closed form."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -145,19 +145,36 @@ ACROSS_M = ACROSS_M.reshape(24, 320)
 """y of the floor in each pixel of `SHARED`."""
 
 
+@dataclass(frozen=True)
+class ShadowEdge:
+    off_px: float
+    """Distance of the edge from its place."""
+    width_px: int
+    """Number of pixels between a tenth and nine tenths of the light."""
+    shade: float
+    """Light in the shadow, as a share of that beside it."""
+
+
+def shadow_edges(image, edge_m, near_m, beyond_m):
+    """Yield the edge of the rail's shadow in each row of the image, which should be at `edge_m`."""
+    for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
+        sides = (np.median(light[np.abs(across_m - edge_m - side) < 0.4 * beyond_m]) for side in (beyond_m, -beyond_m))
+        lit, shade = sides
+        near = np.abs(across_m - edge_m) < near_m
+        share = (light[near] - shade) / (lit - shade)
+        expected_px = np.clip((across_m[near] - edge_m) / np.abs(np.diff(across_m)).mean() + 0.5, 0, 1)
+        width_px = np.count_nonzero((share > 0.1) & (share < 0.9))
+        yield ShadowEdge(share.sum() - expected_px.sum(), width_px, shade / lit)
+
+
 @pytest.mark.parametrize("view", [1, 2])
 def test_the_shadow_of_what_moves_ends_as_sharply_as_the_pixels_of_the_image(images, view):
     """A ray at the angle of the sun over the rail's upper edge ends it; the sun's disc blurs it over 1.4 mm."""
     image, edge_m = images[f"rail {view}"], AT_M[view - 1] + 0.01 + RAIL_M * 0.48 / 0.64
-    off_px = []
-    for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
-        lit, shade = (np.median(light[np.abs(across_m - edge_m - beyond_m) < 0.012]) for beyond_m in (0.03, -0.03))
-        near = np.abs(across_m - edge_m) < 0.02
-        share = (light[near] - shade) / (lit - shade)
-        beyond_px = (across_m[near] - edge_m) / np.abs(np.diff(across_m)).mean()
-        off_px.append(share.sum() - np.clip(beyond_px + 0.5, 0, 1).sum())
-        # The pixel's filter and the sun's disc take 1.5 px and 0.7 px from end to end.
-        assert np.count_nonzero((share > 0.1) & (share < 0.9)) <= 2
+    edges = list(shadow_edges(image, edge_m, near_m=0.02, beyond_m=0.03))
+    # The pixel's filter and the sun's disc take 1.5 px and 0.7 px from end to end.
+    assert max(edge.width_px for edge in edges) <= 2
+    off_px = [edge.off_px for edge in edges]
     assert np.mean(off_px) == pytest.approx(0.0, abs=0.2)
     assert np.std(off_px) < 0.05
 
@@ -185,15 +202,10 @@ def test_the_shadow_in_the_light_of_a_lamp_ends_as_sharply(images):
     """A ray from the lamp over the rail's upper edge ends it; the width of the lamp blurs it over 1.4 mm."""
     image, (_, lamp_m, height_m) = images["rail and lamp"], LAMP_AT_M
     edge_m = lamp_m + (AT_M[0] + 0.01 - lamp_m) * height_m / (height_m - RAIL_M)
-    off_px = []
-    for across_m, light in zip(ACROSS_M[4:20], image[4:20], strict=True):
-        lit, shade = (np.median(light[np.abs(across_m - edge_m - beyond_m) < 0.01]) for beyond_m in (0.02, -0.02))
-        near = np.abs(across_m - edge_m) < 0.015
-        share = (light[near] - shade) / (lit - shade)
-        beyond_px = (across_m[near] - edge_m) / np.abs(np.diff(across_m)).mean()
-        off_px.append(share.sum() - np.clip(beyond_px + 0.5, 0, 1).sum())
-        assert shade < 0.4 * lit
-        assert np.count_nonzero((share > 0.1) & (share < 0.9)) <= 3
+    edges = list(shadow_edges(image, edge_m, near_m=0.015, beyond_m=0.02))
+    assert max(edge.shade for edge in edges) < 0.4
+    assert max(edge.width_px for edge in edges) <= 3
+    off_px = [edge.off_px for edge in edges]
     assert np.mean(off_px) == pytest.approx(0.0, abs=0.2)
     assert np.std(off_px) < 0.1
 

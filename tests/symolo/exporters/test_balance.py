@@ -111,8 +111,8 @@ def test_the_report_and_the_card_of_hugging_face_show_the_splits(divided, random
         assert f"- {warning}.\n" in (out / "huggingface/README.md").read_text()
 
 
-@pytest.mark.parametrize(("factor", "shared"), [(1.0, "1"), (1.5, "0")])
-def test_an_arena_that_differs_in_a_drawn_value_is_another_one(factor, shared, divided, sign):
+@pytest.mark.parametrize(("factor", "in_another"), [(1.0, "1"), (1.5, "0")])
+def test_an_arena_that_differs_in_a_drawn_value_is_another_one(factor, in_another, divided, sign):
     root = divided((), BY_RUN)
     arena = json.loads((root / "CW/test_1/side/spec.json").read_text())["arena"]
     for run, times in (("CW/test_1", 1.0), ("CCW/test_1", factor)):
@@ -121,4 +121,4 @@ def test_an_arena_that_differs_in_a_drawn_value_is_another_one(factor, shared, d
         path.write_text(json.dumps(json.loads(path.read_text()) | {"arena": arena | {"line": line}}))
     sign(root)
     rows = dict(balance(library.load(root)).rows)
-    assert (rows["arenas"], rows["arenas that another split has too"]) == (["1", "1"], [shared, shared])
+    assert (rows["arenas"], rows["arenas that another split has too"]) == (["1", "1"], [in_another, in_another])

@@ -1,34 +1,13 @@
 """Walls that are not where they should be, and what stands before them."""
 
-import importlib
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
-from diagnosis.importers import drive_log
-from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Adequacy, adequacy
 from diagnosis.inference.unexplained.unlisted import best_form, with_forms
-from diagnosis.predictors import STAGES
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
-
-
-@pytest.fixture(scope="module")
-def drive(tmp_path_factory):
-    """The samples of a drive of two trials of 30 s without a fault and without voltages, and the nominal hypothesis."""
-    gap = importlib.import_module("gap_cases")
-    case = gap.make_case("drive_log", 1, rows="few")
-    blank = {name: np.full(len(case.columns["t_s"]), np.nan) for name in ("u_left_V", "u_right_V")}
-    folder = tmp_path_factory.mktemp("drive") / "case"
-    gap.write(replace(case, columns={**case.columns, **blank}), folder)
-    measurement = drive_log.IMPORTER.read(folder)
-    robot = nominal_of(measurement, base_robot_of(measurement, None))
-    return Evidence(STAGES[measurement.kind](measurement, robot)), Hypothesis(robot, spreads_of(measurement, robot))
 
 
 @pytest.fixture
