@@ -1,4 +1,4 @@
-"""Fingerprint of an arena, which tells whether two runs took place in the same one."""
+"""Fingerprint of an arena, which shows whether two runs took place in the same one."""
 
 import hashlib
 
