@@ -1,13 +1,13 @@
 """Extended Kalman filter: odometry, corrected by ToF readings that agree with the map (Thrun, Burgard and Fox,
 Probabilistic Robotics, 2005, sections 3.3 and 7.4).
 
-Beside pose and wheels the state has two numbers for each ToF sensor: a gain of its error that never changes, and an
-offset that lasts while the sensor looks at one wall from one side, as a first-order Gauss-Markov process. If the filter
-took these errors for new noise in every reading, it would become overconfident in a wrong pose.
+Beside pose and wheels the state has the errors that last for a run: of each ToF sensor a gain, an offset, and the angle
+by which it is turned in its mount; and an offset for each wall and obstacle. If the filter took these errors for new
+noise in every reading, it would become overconfident in a wrong pose.
 """
 
 from collections.abc import Sequence
-from math import exp
+from math import radians
 
 import numpy as np
 
@@ -20,11 +20,13 @@ from symolo.core.arrays import Array
 from symolo.evaluation.estimate import Estimate
 
 RAYS = 30
-GAIN, OFFSET = STATES, STATES + 3
-"""Index of the first gain and of the first offset of the three sensors in the state."""
-ALL = STATES + 6
-LASTING_S = 1.0
-"""Correlation time [s] of the offset of a sensor, which changes with the wall and the side from which it is seen."""
+OFFSET_SD_M = 0.003
+"""Standard deviation of the offset of a sensor with its place on the robot, if both are measured by hand (assumed)."""
+MOUNT_SD_RAD = radians(1.0)
+"""Standard deviation of the angle by which a sensor is turned in its mount (assumed)."""
+BEAM_SHARE = 0.1
+"""Standard deviation of the error of an expected range as a share of the spread of its rays: a data sheet has the width
+of a beam and not how the light falls off towards its edge (assumed)."""
 GATE = 6.635
 """99 % quantile of chi-square with one degree of freedom; less likely readings come from objects that are on no map."""
 MIN_STEP = np.array([0.002, 0.002, 0.01])
@@ -54,29 +56,35 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
 
 class KalmanFilter:
     def __init__(self, knowledge: RobotKnowledge, further_sd: Array | None = None) -> None:
-        """Begin at the start, with further states (K,) of these standard deviations, which do not change by moving."""
+        """Begin at the start.
+
+        The state has the pose and wheels, further numbers (K,) of these standard deviations, gain, offset and turn of
+        each sensor, and the offset of the floor and of each wall and obstacle. Only pose and wheels change by moving.
+        """
         self._motion = WheelMotion.of(knowledge)
         self._ranges = RangeModel(knowledge, RAYS)
-        state, covariance = initial_state(knowledge.start)
-        more = np.zeros(0) if further_sd is None else further_sd
-        self.state = np.concatenate([state, np.zeros(6 + len(more))])
-        self.covariance = np.diag([0.0] * STATES + [GAIN_SD**2] * 3 + [LASTING_SD_M**2] * 3 + (more**2).tolist())
+        self._mounts_R = np.array([[mount.x_m, mount.y_m] for mount in knowledge.drawing.mounts])
+        further = np.zeros(0) if further_sd is None else further_sd
+        sensors_sd = np.repeat([GAIN_SD, OFFSET_SD_M, MOUNT_SD_RAD], 3)
+        surfaces_sd = np.full(1 + len(knowledge.map.boxes), LASTING_SD_M)
+        moving, covariance = initial_state(knowledge.start)
+        constant_sd = np.concatenate([further, sensors_sd, surfaces_sd])
+        self._gain = STATES + len(further)
+        self._offset, self._turn, self._surface = self._gain + np.array([3, 6, 9])
+        self.state = np.concatenate([moving, np.zeros(len(constant_sd))])
+        self.covariance = np.diag(np.concatenate([np.zeros(STATES), constant_sd**2]))
         self.covariance[:STATES, :STATES] = covariance
         self._speed = np.zeros(3)
 
     def predict(self, rolled_m: Array, duration_s: float) -> None:
-        remaining = exp(-duration_s / LASTING_S)
         by_state, by_rolled = np.eye(len(self.state)), np.zeros((len(self.state), 2))
-        by_state[OFFSET:ALL, OFFSET:ALL] *= remaining
         by_state[:STATES, :STATES], by_rolled[:STATES] = self._motion.jacobians(self.state[:STATES], rolled_m)
         noise = (by_rolled * self._motion.slip_sd_m(rolled_m) ** 2) @ by_rolled.T
-        noise[OFFSET:ALL, OFFSET:ALL] += (1.0 - remaining**2) * LASTING_SD_M**2 * np.eye(3)
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         moved = self._motion.moved(self.state[:STATES], rolled_m)
         if duration_s > 0.0:
             self._speed = (moved - self.state[:STATES])[:3] / duration_s
         self.state[:STATES] = moved
-        self.state[OFFSET:ALL] *= remaining
 
     def correct(self, ranges_m: Array) -> None:
         """Update the state by readings (3,) [m], nan where there is none."""
@@ -84,17 +92,27 @@ class KalmanFilter:
             return
         at = self.state[:3].copy()
         expected_m, slopes, bend_m = self._expected(at)
+        view = self._ranges.view(at - self._ranges.age_s * self._speed)
         for sensor in np.flatnonzero(~np.isnan(ranges_m + expected_m)).tolist():
             mean_m, slope = float(expected_m[sensor]), slopes[sensor]
-            gain, offset = self.state[GAIN + sensor], self.state[OFFSET + sensor]
-            error_m = float(log_error_m(expected_m[sensor]))
             row = np.zeros(len(self.state))
-            row[:3], row[GAIN + sensor], row[OFFSET + sensor] = slope, error_m, 1.0
+            row[:3] = slope
+            row[self._gain + sensor] = log_error_m(expected_m[sensor])
+            row[self._offset + sensor] = 1.0
+            row[self._turn + sensor] = slope[2] - slope[:2] @ self._swing_m(sensor, at[2])
+            row[self._surface :] = view.share[sensor]
             late_m = slope @ self._speed * self._ranges.age_sd_s
-            variance = float(white_sd_m(mean_m) ** 2 + late_m**2 + bend_m[sensor] ** 2)
-            innovation = float(ranges_m[sensor] - mean_m - gain * error_m - offset - slope @ (self.state[:3] - at))
+            beam_m = BEAM_SHARE * view.spread_m[sensor]
+            variance = float(white_sd_m(mean_m) ** 2 + late_m**2 + bend_m[sensor] ** 2 + beam_m**2)
+            moved = np.concatenate([self.state[:3] - at, self.state[3:]])
+            innovation = float(ranges_m[sensor] - mean_m - row @ moved)
             if innovation**2 <= GATE * float(row @ self.covariance @ row + variance):
                 self.state, self.covariance = updated(self.state, self.covariance, row, innovation, variance)
+
+    def _swing_m(self, sensor: int, yaw_rad: float) -> Array:
+        """Return the derivative (2,) of the place of a sensor in W by the heading [m/rad]."""
+        x, y = self._mounts_R[sensor]
+        return np.array([-np.sin(yaw_rad) * x - np.cos(yaw_rad) * y, np.cos(yaw_rad) * x - np.sin(yaw_rad) * y])
 
     def _expected(self, at: Array) -> tuple[Array, Array, Array]:
         """Return mean ranges (3,), their Jacobian (3, 3) by x, y, yaw, and the deviations (3,) of their nonlinear part.

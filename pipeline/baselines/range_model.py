@@ -3,7 +3,10 @@
 A sensor is a cone of few rays whose ranges are averaged by beam profile and incidence, as the paper's section 6 has it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from physics.arena.rays import RayScene
 from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
@@ -25,11 +28,34 @@ GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
 """Scale of the error in the form of Eq. 24: at 1 m it gives the 3 % of the data sheet of the VL53L0X."""
 
 
+@dataclass(frozen=True)
+class BeamView:
+    """What the beams of the three sensors meet on the map from one pose."""
+
+    share: Array
+    """(3, 1 + B), share of the floor and of each of the B walls and obstacles in the mean range of a sensor."""
+    spread_m: Array
+    """(3,), standard deviation of the ranges over the rays of a sensor, with their weights; 0 without a target."""
+
+
+@dataclass(frozen=True)
+class _Rays:
+    """Rays of the three sensors from P poses."""
+
+    range_m: Array
+    """(P, 3, rays), distance to the map; that of the end of the ray if it meets nothing."""
+    weight: Array
+    """(P, 3, rays), by beam profile and incidence; 0 for a ray that meets nothing."""
+    surface: NDArray[np.int64]
+    """(P, 3, rays), number of the surface that a ray meets, 0 for the floor, -1 for none."""
+
+
 class RangeModel:
     def __init__(self, knowledge: RobotKnowledge, rays: int) -> None:
         """Return the model with that number of rays for each sensor."""
         drawing = knowledge.drawing
         self._scene = RayScene(knowledge.map)
+        self._surfaces = 1 + len(knowledge.map.boxes)
         self._longest_m = drawing.longest_range_m
         angle, roll = ray_pattern(rays, drawing.field_of_view_rad)
         self._profile = np.exp(-0.5 * (angle / (BEAM_SD_SHARE * drawing.field_of_view_rad)) ** 2)
@@ -44,6 +70,21 @@ class RangeModel:
 
     def expected(self, poses: Array) -> Array:
         """Return the readings (P, 3) [m] that the map predicts at the poses (P, 3); nan where it predicts no target."""
+        rays = self._rays(poses)
+        returned = rays.weight.sum(axis=2)
+        range_m = self._head_on * (rays.weight * rays.range_m).sum(axis=2) / np.maximum(returned, 1e-12)
+        seen = (returned >= MIN_SIGNAL * self._head_on) & (range_m <= self._longest_m)
+        return np.where(seen, range_m, np.nan)
+
+    def view(self, pose: Array) -> BeamView:
+        """Return what the beams meet from a pose (3,)."""
+        rays = self._rays(pose[None])
+        weight = rays.weight[0] / np.maximum(rays.weight[0].sum(axis=1, keepdims=True), 1e-12)
+        met = rays.surface[0][..., None] == np.arange(self._surfaces)
+        from_mean_m = rays.range_m[0] - (weight * rays.range_m[0]).sum(axis=1, keepdims=True)
+        return BeamView(np.einsum("ij,ijk->ik", weight, met), np.sqrt((weight * from_mean_m**2).sum(axis=1)))
+
+    def _rays(self, poses: Array) -> _Rays:
         reach_m = REACH * self._longest_m
         turned = _turned(self._directions_R, poses)
         origins = _turned(self._origins_R, poses)
@@ -52,12 +93,7 @@ class RangeModel:
         hits = self._scene.cast(flat, flat + reach_m * along)
         shape = (len(poses), 3, len(self._profile))
         cosine = np.abs(np.einsum("ij,ij->i", along, hits.normal)).reshape(shape)
-        weight = self._profile * cosine
-        returned = weight.sum(axis=2)
-        range_m = self._head_on * reach_m * (weight * hits.fraction.reshape(shape)).sum(axis=2)
-        range_m /= np.maximum(returned, 1e-12)
-        seen = (returned >= MIN_SIGNAL * self._head_on) & (range_m <= self._longest_m)
-        return np.where(seen, range_m, np.nan)
+        return _Rays(reach_m * hits.fraction.reshape(shape), self._profile * cosine, hits.surface.reshape(shape))
 
 
 def white_sd_m(range_m: Array | float) -> Array:

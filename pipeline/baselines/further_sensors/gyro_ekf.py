@@ -8,16 +8,16 @@ not turn, and the filter measures the bias.
 
 import numpy as np
 
-from pipeline.baselines.ekf import ALL, GATE, KalmanFilter, updated
+from pipeline.baselines.ekf import GATE, KalmanFilter, updated
 from pipeline.baselines.further_sensors.imu_log import ImuLog
 from pipeline.baselines.further_sensors.sensor_method import sensor_method
-from pipeline.baselines.motion import rolled_distances_m
+from pipeline.baselines.motion import STATES, rolled_distances_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.evaluation.estimate import Estimate
 
 YAW = 2
-YAW_BEFORE, BIAS, PER_K, SCALE = range(ALL, ALL + 4)
+YAW_BEFORE, BIAS, PER_K, SCALE = range(STATES, STATES + 4)
 """Indices in the state of the heading at the row before, and of the errors of the gyroscope."""
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from pipeline.baselines.ekf import LASTING_S, METHOD, updated
+from pipeline.baselines.ekf import METHOD, OFFSET_SD_M, updated
 from pipeline.baselines.motion import SHARES_SD, WheelMotion
 from pipeline.baselines.range_model import LASTING_SD_M
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
@@ -16,6 +16,8 @@ SENSOR_TO_WALL_M = 0.415
 """At x = 0; all readings are below 0.18 m, where Eq. 24 has no error and Eq. 23 one deviation."""
 NOISE_M = 0.00141
 BEGIN_X_M = 0.26
+OFFSET_OF_BOTH_SD_M = np.hypot(OFFSET_SD_M, LASTING_SD_M)
+"""Of the sensor and of the one wall that it sees, which no reading distinguishes."""
 NO_RNG = np.random.Generator(np.random.PCG64(0))
 
 
@@ -34,16 +36,15 @@ def test_updates_one_by_one_are_min_squares_with_the_prior():
 
 
 def kalman(readings_m, start_sd_m):
-    """By x [m], share of the wheels' radius and the sensor's offset [m]; before a wall across the way all is linear."""
-    state, covariance = np.array([BEGIN_X_M, 0.0, 0.0]), np.diag([start_sd_m, SHARES_SD[0], LASTING_SD_M]) ** 2
-    kept = np.exp(-0.05 / LASTING_S)
+    """By x [m], share of the wheels' radius and the offset [m]; before a wall across the way all is linear."""
+    state, covariance = np.array([BEGIN_X_M, 0.0, 0.0]), np.diag([start_sd_m, SHARES_SD[0], OFFSET_OF_BOTH_SD_M]) ** 2
     estimates = []
     for number, reading_m in enumerate(readings_m):
         if number:
-            step = np.array([[1.0, WAY_M, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, kept]])
+            step = np.array([[1.0, WAY_M, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
             slip = 0.5 * SLIP_M_SQRT_M**2 * WAY_M  # of the mean of two wheels
-            state = np.array([state[0] + WAY_M * (1 + state[1]), state[1], kept * state[2]])
-            covariance = step @ covariance @ step.T + np.diag([slip, 0.0, (1 - kept**2) * LASTING_SD_M**2])
+            state = np.array([state[0] + WAY_M * (1 + state[1]), state[1], state[2]])
+            covariance = step @ covariance @ step.T + np.diag([slip, 0.0, 0.0])
         row = np.array([-1.0, 0.0, 1.0])
         gain = covariance @ row / (row @ covariance @ row + NOISE_M**2)
         state = state + gain * (reading_m - SENSOR_TO_WALL_M - row @ state)
@@ -68,16 +69,15 @@ def test_where_all_is_linear_it_is_the_kalman_filter(before_a_wall):
 def test_in_a_world_as_it_takes_it_for_its_covariance_is_honest(before_a_wall):
     """NEES of the last pose over independent robots, within the bounds of chi-square."""
     motion, count, start_sd = WheelMotion(Odometry(1.0, 0.14)), 60, np.array([0.004, 0.004, 0.02])
-    kept, total = np.exp(-0.05 / LASTING_S), 0.0
+    total = 0.0
     for seed in range(count):
         rng = np.random.Generator(np.random.PCG64(seed))
         truth = np.concatenate([[BEGIN_X_M, 0.0, 0.0], SHARES_SD * rng.standard_normal(3)])
-        offset_m, poses, readings = LASTING_SD_M * rng.standard_normal(), [], []
+        offset_m, poses, readings = OFFSET_OF_BOTH_SD_M * rng.standard_normal(), [], []
         for number in range(ROWS):
             if number:
                 slip = SLIP_M_SQRT_M * np.sqrt(WAY_M) * rng.standard_normal(2)
                 truth = motion.moved(truth, WAY_M + slip)
-                offset_m = kept * offset_m + np.sqrt(1 - kept**2) * LASTING_SD_M * rng.standard_normal()
             poses.append(truth[:3])
             # The range along x of a sensor before the axle, turned a little.
             true_m = (0.5 - truth[0]) / np.cos(truth[2]) - 0.085

@@ -9,10 +9,10 @@ from configs.draw import draw_all
 from configs.loader import load_scenario
 from physics.arena.rays import RayScene
 from pipeline.baselines.line_model import LineModel
-from pipeline.baselines.range_model import RangeModel
+from pipeline.baselines.range_model import BEAM_SD_SHARE, RangeModel
 from pipeline.baselines.robot_knowledge import Start
 from sensors.ranging.tof import TofArray
-from symolo.arena.geometry import Arena
+from symolo.arena.geometry import Arena, Box
 from symolo.dataset.codes import TofStatus
 
 START = Start(np.zeros(3), np.full(3, 0.01))
@@ -44,6 +44,29 @@ class Posed:
 def test_a_wall_ahead_reads_its_distance(empty, x_m, rays):
     expected = RangeModel(empty, rays).expected(np.array([[x_m, 0.0, 0.0]]))
     assert expected[0, 0] == pytest.approx(0.5 - 0.085 - x_m, abs=1e-9)
+
+
+def test_the_ranges_to_a_wall_ahead_spread_as_one_over_the_cosine(empty):
+    """With a profile p over the angle a and weights p cos(a), the ranges are d / cos(a)."""
+    view = RangeModel(empty, 400).view(np.zeros(3))
+    profile = BEAM_SD_SHARE * np.radians(25.0)
+    angle = np.radians(12.5) * np.sqrt((np.arange(100_000) + 0.5) / 100_000)
+    weight = np.exp(-0.5 * (angle / profile) ** 2) * np.cos(angle)
+    ranges_m = (0.5 - 0.085) / np.cos(angle)
+    mean_m = np.average(ranges_m, weights=weight)
+    spread_m = np.sqrt(np.average((ranges_m - mean_m) ** 2, weights=weight))
+    assert view.spread_m[0] == pytest.approx(spread_m, rel=0.05)
+    assert view.share[0] == pytest.approx([0.0, 1.0])
+
+
+def test_a_beam_that_half_passes_a_box_meets_it_with_half_its_share(empty):
+    """The edge of a box straight ahead is on the axis of the front sensor, and the wall is behind it."""
+    box = Box("box", "obstacle", (0.25, 0.5, 0.5), (0.1, 1.0, 1.0), 0.0, "white_board")
+    arena = replace(empty.map, boxes=(*empty.map.boxes, box))
+    view = RangeModel(replace(empty, map=arena), 400).view(np.zeros(3))
+    assert view.share[0] == pytest.approx([0.0, 0.5, 0.5], abs=0.02)
+    near_m, far_m = 0.2 - 0.085, 0.5 - 0.085
+    assert view.spread_m[0] == pytest.approx(0.5 * (far_m - near_m), rel=0.03)
 
 
 def test_with_its_back_to_the_wall_there_is_no_target(empty):

@@ -33,6 +33,14 @@ def test_filters_beat_odometry(driven, start_sd):
         assert run_errors.end_m < 0.5 * alone.end_m
 
 
+@pytest.mark.parametrize(("robot", "at_most"), [("nominal", 2.0), ("worn", 5.0)])
+def test_the_kalman_filter_knows_its_error(driven, robot, at_most):
+    """The wheels of the worn robot alone are 2.5, 2 and 1.5 of the assumed standard deviations off; the mean of the
+    squares is 4.2. With an offset of the ranges that was new after each second, the NEES of this drive was 23.
+    """
+    assert errors(driven(robot), ekf, EXACT).nees < at_most
+
+
 def test_the_wheels_of_a_perfect_robot_show_all_but_the_start(driven):
     run_errors = errors(driven("nominal"), odometry, EXACT)
     assert run_errors.ate_m < 0.006
