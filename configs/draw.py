@@ -10,6 +10,7 @@ from configs.checks.scenario import check_run
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
 from configs.posterior.drawing import HYPOTHESIS, NUMBERS, drawn_hypothesis, drawn_robot
 from configs.posterior.schema import DrawnFrom
+from configs.route_arenas import arena_path
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
@@ -87,7 +88,8 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         middle = _drawn_about(single, values).routes[0].start
         about = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
         rng = stream(loaded.seed, route, run, GENERATE)
-        arena = _generated(scenario.arena, about, rng, loaded.root, f"drawn for {route} run {run}")
+        path, note = arena_path(loaded.root, single.index), f"drawn for {route} run {run}"
+        arena = _generated(scenario.arena, about, rng, loaded.root, note=note, path=path)
         scenario = scenario.model_copy(update={"arena": arena})
     check_run(scenario, loaded.root, single.index, run)
     return RunSpec(
@@ -169,13 +171,19 @@ def _drawn_about(single: SingleRoute, values: Mapping[FieldPath, Scalar]) -> Sce
 
 
 def _generated(
-    arena: ArenaConfig, start: PlanarPose, rng: np.random.Generator, root: Node, note: str = ""
+    arena: ArenaConfig,
+    start: PlanarPose,
+    rng: np.random.Generator,
+    root: Node,
+    *,
+    note: str = "",
+    path: FieldPath = ("arena",),
 ) -> ArenaConfig:
     try:
         return generate_arena(arena, start, rng)
     except NoArenaError as error:
         cure = "set fewer corners or obstacles, smaller bends, a different radius_m or a larger floor"
-        raise ConfigFault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
+        raise ConfigFault((*path, "generate"), str(error), cure=cure).error(root, note) from None
 
 
 def _draws(

@@ -27,6 +27,7 @@ from configs.posterior.reading import with_posterior
 from configs.posterior.schema import LoadedPosterior
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
+from configs.route_arenas import ARENA, arena_path, single_route_root, with_each_arena
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
@@ -62,6 +63,7 @@ class SingleRoute:
     index: int
     """Place of the route in the whole scenario; here it is the first one."""
     root: Node
+    """Tree with this route and its arena."""
     distributions: Mapping[FieldPath, FieldDistribution]
     """Distributions by field path; those of the route begin with `("routes", 0)`."""
 
@@ -92,17 +94,20 @@ class LoadedScenario:
         of_route: list[dict[FieldPath, FieldDistribution]] = [{} for _ in self.routes]
         for path, item in self.distributions.items():
             match path:
+                case "routes", int(index), "arena", *rest:
+                    of_route[index][(ARENA, *rest)] = item
                 case "routes", int(index), *rest:
                     of_route[index][("routes", 0, *rest)] = item
                 case _:
                     shared[path] = item
+        elsewhere = {path: item for path, item in shared.items() if path[0] != ARENA}
         singles: dict[str, SingleRoute] = {}
         routes = self.root.child("routes")
         assert routes is not None  # noqa: S101 - the schema demands it
         for index, (route, (_, node)) in enumerate(zip(self.routes, routes.children(), strict=True)):
-            keys = {**dict(self.root.children()), "routes": Node((node,), routes.where)}
-            root = Node(keys, self.root.where)
-            singles[route.name] = SingleRoute(index, root, ChainMap(of_route[index], shared))
+            has_own = arena_path(self.root, index) != (ARENA,)
+            distributions = ChainMap(of_route[index], elsewhere if has_own else shared)
+            singles[route.name] = SingleRoute(index, single_route_root(self.root, node), distributions)
         return singles
 
     @property
@@ -172,15 +177,20 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
         raise together(_with_faults_elsewhere(root, failed))
     root = with_posterior(_overridden(root, Scenario, overrides))
     root = with_defaults(with_chosen(root), Shape.of(Scenario))
-    root, assets = _with_files(with_course(with_polygons(root)), Scenario)
+    root, assets = _with_files(_with_shapes(root), Scenario)
     return _checked(root, assets)
+
+
+def _with_shapes(root: Node) -> Node:
+    """Return a tree with the walls of polygons and the pieces of lines through points in all its arenas."""
+    return with_each_arena(root, lambda tree: with_course(with_polygons(tree)))
 
 
 def _with_faults_elsewhere(root: Node, failed: Sequence[tuple[str, InputError]]) -> list[InputError]:
     """Return the faults of sections that could not be loaded, and those of the rest of the scenario."""
     try:
         root = with_defaults(with_chosen(with_posterior(_completed(root, Scenario))), Shape.of(Scenario))
-        others = all_faults(with_meshes(with_course(with_polygons(root))), Scenario)
+        others = all_faults(with_each_arena(_with_shapes(root), with_meshes), Scenario)
     except InputError as error:
         others = apart(error)
     sections = {section for section, _ in failed}
@@ -196,7 +206,7 @@ def _with_files(root: Node, model: type[Section]) -> tuple[Node, Mapping[str, Pa
     Raises:
         InputError: A file cannot be used; faults of fields that name no file are reported, too.
     """
-    root = with_meshes(root)
+    root = with_each_arena(root, with_meshes)
     try:
         return with_assets(root, Shape.of(model))
     except InputError as error:
@@ -265,7 +275,7 @@ def section_of(kind: str, settings: Mapping[str, Any], where: str, overrides: Se
 def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSection:
     model = ALONE[kind]
     root = _overridden(Node({kind: node}, node.where), model, overrides)
-    root, assets = _with_files(with_course(with_polygons(root)), model)
+    root, assets = _with_files(_with_shapes(root), model)
     distributions = distributions_of(root, model)
     for values in probes(distributions):
         _CHECKS[kind](getattr(validated(root, model, values), kind), root)

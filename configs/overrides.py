@@ -7,7 +7,8 @@ from configs.assets.folder import anchored
 from configs.effects.effect_files import KEY, anchored_files
 from configs.posterior.reading import KEY as LIKE
 from configs.posterior.reading import anchored_posterior
-from configs.references import SECTIONS, resolve_camera, resolve_section
+from configs.references import SECTIONS, resolve_camera, resolve_section, with_resolved_routes
+from configs.route_arenas import ROUTES
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
@@ -43,7 +44,8 @@ def apply_override(root: Node, text: str) -> Node:
         node = anchored_posterior(Node({LIKE: node}, where), Path.cwd()).child(LIKE) or node
     if keys == ["robot", KEY]:
         node = anchored_files(Node({KEY: node}, where), Path.cwd()).child(KEY) or node
-    return _set(root, keys, (), node, where)
+    changed = _set(root, keys, (), node, where)
+    return with_resolved_routes(changed, Path.cwd()) if keys[0] == ROUTES else changed
 
 
 def replaced_section(text: str) -> str:

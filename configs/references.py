@@ -7,6 +7,7 @@ from pathlib import Path
 from configs.assets.folder import anchored
 from configs.effects.effect_files import anchored_files, with_files_of_both
 from configs.posterior.reading import anchored_posterior
+from configs.route_arenas import ROUTES, with_route_arenas
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook
 from configs.validation.shapes import Shape, with_defaults
@@ -142,7 +143,19 @@ def _resolve_sections(fields: dict[str, Node], folder: Path, failed: list[tuple[
             failed.append((section, error))
             is_complete = True
         complete |= {section} if is_complete else set()
+    try:
+        routes = with_resolved_routes(Node(fields, ""), folder).child(ROUTES)
+        fields |= {} if routes is None else {ROUTES: routes}
+    except InputError as error:
+        if failed is None:
+            raise
+        failed.append((ROUTES, error))
     return complete
+
+
+def with_resolved_routes(root: Node, folder: Path) -> Node:
+    """Return the tree of a scenario with all settings of the arenas that its routes name or extend."""
+    return with_route_arenas(root, lambda arena, path: resolve_section("arena", arena, folder, path)[0])
 
 
 def _anchored(kind: str, node: Node, folder: Path) -> Node:
@@ -152,13 +165,22 @@ def _anchored(kind: str, node: Node, folder: Path) -> Node:
     return anchored(node, folder) if kind in WITH_FILES else node
 
 
-def resolve_section(kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
-    """Return a section with its name or `extends:` resolved, and whether it is then complete."""
+def resolve_section(kind: str, node: Node, folder: Path, what: str = "") -> tuple[Node, bool]:
+    """Return a section with its name or `extends:` resolved, and whether it is then complete.
+
+    Args:
+        kind: arena, robot or look.
+        node: What is written in its place.
+        folder: Start of relative paths.
+        what: Field path of the section, for messages; `kind` by default.
+    """
+    what = what or kind
     if isinstance(node.value, str):
-        return read_file(kind, locate(kind, node.value, folder=folder, what=kind, where=node.where)), True
-    if not isinstance(node.value, dict):
+        return read_file(kind, locate(kind, node.value, folder=folder, what=what, where=node.where)), True
+    if not isinstance(node.value, dict) or node.is_distribution:
         allowed = f"{_references(kind)}, or a mapping"
-        raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
+        cure = "for several arenas, give routes an `arena` of their own (docs/arenas.md)" if kind == "arena" else ""
+        raise InputError(what, where=node.where, got=node.plain(), allowed=allowed, cure=cure)
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
     node = with_camera(node, folder) if kind == "look" else node

@@ -11,6 +11,7 @@ from configs.checks.look import look_faults
 from configs.checks.motor_strength import strength_faults
 from configs.checks.robot import robot_faults
 from configs.robot_sensors import SensorSettings
+from configs.route_arenas import ARENA, ROUTES, arena_path
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
@@ -44,7 +45,8 @@ def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
         run: Number of the run.
     """
     note = f"drawn for {scenario.routes[0].name} run {run}; narrow the distributions or take another seed"
-    _refuse(_scenario_faults(scenario, [index]), root, note)
+    own = arena_path(root, index)
+    _refuse((fault.below(ARENA, own) for fault in _scenario_faults(scenario, [index])), root, note)
 
 
 def check_splits(scenario: Scenario, root: Node) -> None:
@@ -101,8 +103,7 @@ def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
 def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[ConfigFault]:
     """Yield the contradictions in a scenario whose routes have these places in the file."""
     yield from _route_name_faults(scenario.routes)
-    yield from arena_faults(scenario.arena)
-    yield from generated_room_faults(scenario.arena, scenario.robot)
+    yield from _arena_faults(scenario.arena, scenario.robot)
     yield from robot_faults(scenario.robot, in_simulation=True)
     yield from lens_faults(scenario)
     yield from camera_faults(scenario)
@@ -114,7 +115,15 @@ def _scenario_faults(scenario: Scenario, indices: Iterable[int]) -> Iterator[Con
         allowed, cure = "none, since the board drives", "leave out board or controller"
         yield ConfigFault(("controller",), allowed=allowed, against=("board",), cure=cure)
     for index, route in zip(indices, scenario.routes, strict=True):
-        yield from _start_faults(scenario.arena, scenario.robot, route, ("routes", index, "start"))
+        yield from _start_faults(route.arena or scenario.arena, scenario.robot, route, (ROUTES, index, "start"))
+        if route.arena is not None:
+            for fault in _arena_faults(route.arena, scenario.robot):
+                yield fault.below(ARENA, (ROUTES, index, ARENA))
+
+
+def _arena_faults(arena: ArenaConfig, robot: RobotConfig) -> Iterator[ConfigFault]:
+    yield from arena_faults(arena)
+    yield from generated_room_faults(arena, robot)
 
 
 def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:

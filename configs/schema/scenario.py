@@ -40,6 +40,9 @@ class Route(Section):
     """Pose in which each run begins."""
     runs: Annotated[int, PLANNED] = Field(default=1, ge=1, le=100_000)
     """Number of runs, each with draws of its own."""
+    arena: ArenaConfig | None = Field(default_factory=absent, exclude_if=lambda arena: arena is None)
+    """Arena of this route in place of that of the scenario: the name of a shipped one, the path of a YAML file, or its
+    settings here."""
 
 
 class Stop(Section):

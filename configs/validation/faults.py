@@ -29,6 +29,20 @@ class ConfigFault:
     alternatives: tuple["ConfigFault", ...] = ()
     """The same contradiction at the other fields on which it depends; only one that the user changed is reported."""
 
+    def below(self, section: str, path: FieldPath) -> "ConfigFault":
+        """Return the same fault of a section that stands at another path of the tree."""
+
+        def moved(field: FieldPath) -> FieldPath:
+            return (*path, *field[1:]) if field[:1] == (section,) else field
+
+        return replace(
+            self,
+            path=moved(self.path),
+            against=moved(self.against),
+            also=tuple(moved(field) for field in self.also),
+            alternatives=tuple(each.below(section, path) for each in self.alternatives),
+        )
+
     def _places(self, root: Node) -> tuple[str, str]:
         """Return the place of the fault, and a remark about the place of the other field.
 

@@ -17,6 +17,7 @@ from configs.posterior.schema import (
 )
 from configs.references import SECTIONS, shipped_names
 from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
+from configs.schema.arena import ArenaConfig
 from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
 from configs.validation.shapes import Shape
@@ -87,6 +88,8 @@ def scenario_json_schema() -> dict[str, Any]:
         field = shape.schema["properties"][kind]
         section = {key: value for key, value in field.items() if key != "description"}
         top["properties"][kind] = {"description": field["description"], "anyOf": [_reference(kind), section]}
+    fields = definitions["Route"]["properties"]
+    fields["arena"] = {"description": fields["arena"]["description"], "anyOf": [_reference("arena"), fields["arena"]]}
     top["properties"]["extends"] = _base("scenario")
     top["anyOf"] = [{"required": ["extends"]}, {"required": shape.schema["required"]}]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **top, "$defs": definitions}
@@ -131,13 +134,17 @@ def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
 
 
 def _below_lists(schema: Any, shape: Shape, *, inside: bool = False) -> Iterator[str]:  # noqa: ANN401 - plain JSON
-    """Yield the definitions that occur in lists: a list replaces another, so that its items must be complete."""
+    """Yield the definitions that occur in lists: a list replaces another, so that its items must be complete.
+
+    The arena of a route may extend another one, so that its own fields need not be.
+    """
     if isinstance(schema, list):
         for item in schema:
             yield from _below_lists(item, shape, inside=inside)
     elif isinstance(schema, dict):
         if "$ref" in schema:
             name = schema["$ref"].rsplit("/", 1)[1]
+            inside = inside and name != ArenaConfig.__name__
             yield from [name] if inside else []
             yield from _below_lists(shape.definitions[name], shape, inside=inside)
         for key, item in schema.items():

@@ -190,10 +190,11 @@ def _further_cameras(spec: SceneSpec) -> str:
 
 
 def _arena(metadata: Metadata, spec: SceneSpec) -> str:
-    arena = spec.arena
-    if metadata.scenario.get("arena", {}).get("generate"):
+    arena, pieces_at = spec.arena, "side/spec.json"
+    if any(route.get("arena") for route in metadata.scenario.get("routes", ())):
+        whose = f"Routes have arenas of their own, in side/spec.json of their runs; this one is of {spec.key}."
+    elif metadata.scenario.get("arena", {}).get("generate"):
         whose = f"Each run has an arena of its own, in its side/spec.json; this one is of {spec.key}."
-        pieces_at = "side/spec.json"
     else:
         whose, pieces_at = f"Values are those of {spec.key} where they are drawn per run.", "metadata.json"
     rows = [

@@ -340,6 +340,8 @@ def _tree(
     for section in SECTIONS[2:]:
         if getattr(request, section) or request.overrides_of(section):
             tree[section] = getattr(first, section).model_dump(mode="json")
+            if section == "arena" and "routes" in tree:
+                tree["routes"] = [{key: route[key] for key in route if key != "arena"} for route in tree["routes"]]
     if isinstance(first, RunSpec) and "rates" in tree:
         tree["rates"] = first.rates.model_dump(mode="json")
     for key in ("look", "looks", "splits"):

@@ -67,6 +67,22 @@ def test_runs_in_the_same_drawn_arena_are_in_one_split(tmp_path, symolo):
     assert json.loads((tmp_path / "out/export.json").read_text())["splits"]["runs"] == runs
 
 
+def test_routes_with_arenas_of_their_own_are_divided_by_arena(tmp_path, symolo):
+    out, start = tmp_path / "data", "start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}"
+    routes = f"routes=[{{name: A, {start}, runs: 2}}, {{name: B, arena: moving, {start}}}]"
+    settings = (
+        routes,
+        "splits={by: arena, shares: {train: 0.5, test: 0.5}}",
+        "rates.camera_hz=0",
+        "stop.time_limit_s=0.2",
+    )
+    assert symolo("release", "smoke", "--out", out, *(f"--set={each}" for each in settings), "--workers", 1).code == 0
+    runs = json.loads((out / "metadata.json").read_text())["splits"]["runs"]
+    assert {frozenset(ones) for ones in runs.values()} == {frozenset({"A/test_1", "A/test_2"}), frozenset({"B/test_1"})}
+    assert "Routes have arenas of their own" in (out / "README.md").read_text()
+    assert not list(verify(out))
+
+
 def test_too_few_drawn_arenas_are_refused_before_anything_is_simulated(tmp_path, symolo):
     ended = symolo("release", "smoke", "--out", tmp_path / "data", *drawn(15, 15))
     assert ended.code == 2

@@ -1,0 +1,51 @@
+"""Arenas of single routes: `routes: [{name: A, start: ..., arena: hall}]`.
+
+Such a route has an arena of its own in place of that of the scenario. What is done with `arena` of a scenario is done
+with the arena of each route as well, as if it stood at the top.
+"""
+
+from collections.abc import Callable
+
+from symolo.core.yaml.tree import FieldPath, Node
+
+ROUTES, ARENA = "routes", "arena"
+
+
+def arena_path(root: Node, index: int) -> FieldPath:
+    """Return the path of the arena of a route in the tree of a scenario: its own, or that of the scenario."""
+    own: FieldPath = (ROUTES, index, ARENA)
+    return (ARENA,) if root.plain_at(own) is None else own
+
+
+def with_each_arena(root: Node, change: Callable[[Node], Node]) -> Node:
+    """Return a tree whose arenas are changed, that at the top and those of routes.
+
+    Args:
+        root: Tree of a scenario, or of a section, which has no routes.
+        change: Changes what is below `arena` of a tree.
+    """
+    return with_route_arenas(change(root), lambda arena, _: change(Node({ARENA: arena}, arena.where)).child(ARENA))
+
+
+def with_route_arenas(root: Node, change: Callable[[Node, str], Node | None]) -> Node:
+    """Return a tree in which the arenas of routes are changed; `change` gets an arena and its path as text."""
+    routes = root.child(ROUTES)
+    if routes is None or not isinstance(routes.value, tuple) or not isinstance(root.value, dict):
+        return root
+    items = list(routes.value)
+    for index, route in enumerate(items):
+        arena = route.child(ARENA)
+        if arena is not None and arena.value is not None and isinstance(route.value, dict):
+            changed = change(arena, f"{ROUTES}.{index}.{ARENA}")
+            items[index] = Node({**route.value, ARENA: changed or arena}, route.where)
+    return Node({**root.value, ROUTES: Node(tuple(items), routes.where)}, root.where)
+
+
+def single_route_root(root: Node, route: Node) -> Node:
+    """Return the tree of a scenario with one route alone, and with the arena of this route."""
+    fields = {str(key): node for key, node in root.children()}
+    arena = route.child(ARENA)
+    if arena is not None and arena.value is not None:
+        fields[ARENA] = arena
+        route = Node({str(key): node for key, node in route.children() if key != ARENA}, route.where)
+    return Node({**fields, ROUTES: Node((route,), route.where)}, root.where)

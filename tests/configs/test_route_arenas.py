@@ -1,0 +1,105 @@
+"""Routes with an arena of their own."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from configs.draw import draw_all, draw_run
+from configs.loader import LoadedScenario, load_resolved, load_scenario
+from symolo.core.errors import InputError
+
+pytestmark = pytest.mark.usefixtures("here")
+
+ROOM = "name: room\nfloor: {half_extent_m: 1.5}\nwalls: [{name: N, start: [-1, 1], end: [1, 1]}]\nobstacles: []\n"
+ROUTES = """\
+extends: symolo
+name: rooms
+routes:
+  - {name: A, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}}
+  - {name: B, start: {x_m: 0.0, y_m: 0.0, yaw_deg: 0}, runs: 2, arena: ARENA}
+"""
+
+
+def scenario(arena: str, *overrides: str) -> LoadedScenario:
+    Path("rooms.yaml").write_text(ROUTES.replace("ARENA", arena))
+    return load_scenario("rooms.yaml", overrides)
+
+
+def fault(arena: str, *overrides: str) -> str:
+    with pytest.raises(InputError) as caught:
+        scenario(arena, *overrides)
+    return str(caught.value)
+
+
+def test_a_route_names_a_shipped_arena_and_the_others_keep_that_of_the_scenario():
+    a, b, again = draw_all(scenario("classroom"))
+    assert (a.arena.name, b.arena.name, again.arena.name) == ("symolo", "classroom", "classroom")
+    assert a.arena.walls == draw_run(load_scenario("symolo"), "CW", 1).arena.walls != b.arena.walls
+
+
+def test_an_arena_is_a_file_beside_the_scenario_or_has_its_settings_there():
+    Path("rooms").mkdir()
+    Path("rooms/room.yaml").write_text("extends: symolo\n" + ROOM)
+    expected = draw_run(scenario("rooms/room.yaml"), "B", 1).arena
+    written = "{extends: symolo, " + ", ".join(ROOM.splitlines()) + "}"
+    assert draw_run(scenario(written), "B", 1).arena == expected
+    assert [wall.name for wall in expected.walls] == ["N"]
+
+
+def test_short_forms_are_written_out_in_the_arena_of_a_route():
+    polygon = "polygons: [{name: P, robot_is: inside, points: [[-1, -1], [1, -1], [0, 1]]}]"
+    arena = draw_run(scenario(f"{{extends: symolo, walls: [], obstacles: [], {polygon}}}"), "B", 1).arena
+    assert [wall.name for wall in arena.walls] == ["P_1", "P_2", "P_3"]
+
+
+def test_each_run_draws_the_numbers_of_its_arena():
+    width, extent = "arena.line.width_m", "arena.floor.half_extent_m"
+    line = "{extends: classroom, line: {width_m: {uniform: [0.015, 0.020]}}}"
+    a, b, again = draw_all(scenario(line, f"{extent}={{uniform: [5, 6]}}"))
+    assert a.drawn[extent] == a.arena.floor.half_extent_m
+    assert width not in a.drawn
+    for spec in (b, again):
+        assert extent not in spec.drawn
+        assert spec.drawn[width] == spec.arena.line.width_m
+    assert b.arena.line.width_m != again.arena.line.width_m
+
+
+def test_generated_arenas_belong_to_the_routes_that_ask_for_them():
+    a, b, again = draw_all(scenario("random"))
+    assert a.arena.name == "symolo"
+    assert b.arena.name == again.arena.name == "random"
+    assert b.arena.line.pieces != again.arena.line.pieces
+
+
+def test_other_routes_do_not_change_a_run():
+    alone = load_scenario("symolo", ["routes=[{name: B, start: {x_m: 0.0, y_m: 0.0, yaw_deg: 0}}]", "arena=random"])
+    assert draw_run(scenario("random"), "B", 1).arena == draw_run(alone, "B", 1).arena
+
+
+def test_the_tree_of_a_released_scenario_gives_the_same_runs():
+    loaded = scenario("{extends: classroom, line: {reflectance: {uniform: [0.05, 0.10]}}}")
+    tree = yaml.safe_load(yaml.safe_dump(loaded.tree))
+    assert draw_all(load_resolved(tree, "metadata.json")) == draw_all(loaded)
+
+
+def test_the_command_line_sets_the_arena_of_a_route():
+    loaded = scenario("classroom", "routes.A.arena=hall", "routes.B.arena.line.width_m=0.02")
+    a, b, _ = draw_all(loaded)
+    assert (a.arena.name, b.arena.name, b.arena.line.width_m) == ("hall", "classroom", 0.02)
+
+
+def test_faults_name_the_route():
+    assert "rooms.yaml:5: routes.1.arena: got 'hal'" in fault("hal")
+    assert "did you mean hall" in fault("hal")
+    assert "routes.1.arena.walls.0.end" in fault("{extends: symolo, walls: [{name: N, start: [0, 0]}]}")
+    same = "{extends: symolo, walls: [{name: N, start: [0.5, 1], end: [0.5, 1]}]}"
+    assert "routes.1.arena.walls.0" in fault(same)
+    box = "{extends: symolo, obstacles: [{name: box, center: [0.0, 0.0], size: [0.1, 0.1, 0.1]}]}"
+    assert "routes.1.start: the robot of route B would start inside obstacle box" in fault(box)
+
+
+def test_an_arena_that_is_drawn_as_a_whole_is_refused_with_the_way_to_have_several():
+    Path("top.yaml").write_text("extends: symolo\narena: {choice: [symolo, classroom]}\n")
+    with pytest.raises(InputError, match="for several arenas, give routes an `arena` of their own"):
+        load_scenario("top.yaml")
