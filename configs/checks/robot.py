@@ -18,6 +18,7 @@ def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigF
         in_simulation: Whether PyBullet drives it, which cannot do all that a bench can measure.
     """
     yield from _body_faults(robot)
+    yield from _camera_faults(robot)
     yield from _range_faults(robot)
     yield from _stall_faults(robot)
     yield from _effect_faults(robot, in_simulation=in_simulation)
@@ -118,3 +119,11 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
         allowed = f"between the axle at 0 and the caster at {drive.caster_x_m}, or the robot tips over"
         got, against = chassis.center_of_mass_x_m, (*drive_path, "caster_x_m")
         yield ConfigFault((*chassis_path, "center_of_mass_x_m"), got=got, allowed=allowed, against=against)
+
+
+def _camera_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
+    height_m, base_m = robot.camera.height_above_base_m, robot.chassis.base_height_m
+    if base_m + height_m <= 0.0:
+        field, problem = ("robot", "camera", "height_above_base_m"), "the lens is not above the floor"
+        allowed = f"more than {-base_m}, since the base plate's top is {base_m} m above the floor"
+        yield ConfigFault(field, problem, height_m, allowed, against=("robot", "chassis", "base_height_m"))

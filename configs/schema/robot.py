@@ -258,7 +258,7 @@ class Camera(Section):
     y_m: float = Field(ge=-0.5, le=0.5)
     """Place of the lens to the left of the robot's middle [m]."""
     height_above_base_m: float = Field(ge=-0.5, le=2)
-    """Height of the lens above the base plate's top [m]; below 0 it is below."""
+    """Height of the lens above the base plate's top [m]; below 0 it is below, but above the floor."""
     pitch_down_deg: float = Field(ge=-90, le=90)
     """Angle of the optical axis below the horizon: 90 degrees minus the paper's 60 degrees from straight down."""
     yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)

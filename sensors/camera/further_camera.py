@@ -35,7 +35,7 @@ class CameraSettings(MountedSettings):
     """Time between two images; the times themselves are in whole milliseconds."""
     rate_hz: Annotated[float | None, PLANNED] = Field(default_factory=absent, ge=0.1, le=1000, exclude=True)
     """Number of images per second in the place of `period_s`."""
-    z_m: float = Field(default=0.12, ge=0, le=2)
+    z_m: float = Field(default=0.12, gt=0, le=2)
     """Height of the lens above the floor [m]."""
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
     """Width of the images [px]."""

@@ -210,6 +210,14 @@ CASES = {
         "robot.tof.min_range_m",
         "got 0.6, allowed: less than max_range_m, which is 0.5",
     ),
+    "camera below the floor": robot(
+        "camera: {height_above_base_m: -0.2} #!",
+        "robot.camera.height_above_base_m",
+        "the lens is not above the floor: got -0.2, allowed: more than -0.05",
+    ),
+    "further camera in the floor": robot(
+        "sensors: {rear: {kind: camera, z_m: 0}} #!", "robot.sensors.rear.z_m", "number > 0 and <= 2"
+    ),
     "no-target value among the ranges": robot("tof: {no_target_m: 1.0} #!", "robot.tof.no_target_m", "valid range"),
     "wheels outside the chassis": robot("drive: {track_m: 0.16} #!", "robot.drive.track_m", "at most 0.15"),
     "wheels smaller than the clearance": robot(

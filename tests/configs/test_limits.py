@@ -52,6 +52,11 @@ def paths(faults) -> list[str]:
     [
         ({"tof.min_range_m": 1.2 - LITTLE}, {"tof.min_range_m": 1.2}, "tof.min_range_m"),
         ({"chassis.clearance_m": 0.05 - LITTLE}, {"chassis.clearance_m": 0.05}, "chassis.clearance_m"),
+        (
+            {"camera.height_above_base_m": -0.05 + LITTLE},
+            {"camera.height_above_base_m": -0.05},
+            "camera.height_above_base_m",
+        ),
         ({"tof.no_target_m": 0.04}, {"tof.no_target_m": 0.04 + LITTLE}, "tof.no_target_m"),
         ({"tof.no_target_m": 1.2}, {"tof.no_target_m": 1.2 - LITTLE}, "tof.no_target_m"),
         ({"tof.no_target_m": 0.0}, {"tof.no_target_m": 0.1}, "tof.no_target_m"),
