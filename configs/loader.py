@@ -2,7 +2,7 @@
 
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -22,7 +22,7 @@ from configs.checks.scenario import (
 )
 from configs.effects.effect_files import with_user_effects
 from configs.overrides import apply_override, check_order
-from configs.posterior.agreement import check_posterior
+from configs.posterior.agreement import check_posterior, without_shipped_draws
 from configs.posterior.reading import with_posterior
 from configs.posterior.schema import LoadedPosterior
 from configs.references import locate, read_file, resolve
@@ -86,6 +86,8 @@ class LoadedScenario:
     rates: Rates
     like: LoadedPosterior | None = None
     """Posterior from which the robots are drawn; None for none."""
+    replaced_draws: tuple[str, ...] = ()
+    """Fields that the shipped scenario draws, and that come from the posterior instead."""
 
     @cached_property
     def single_routes(self) -> Mapping[str, SingleRoute]:
@@ -175,10 +177,10 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     root = read_file("scenario", path, failed=failed)
     if failed:
         raise together(_with_faults_elsewhere(root, failed))
-    root = with_posterior(_overridden(root, Scenario, overrides))
+    root, replaced = without_shipped_draws(with_posterior(_overridden(root, Scenario, overrides)))
     root = with_defaults(with_chosen(root), Shape.of(Scenario))
     root, assets = _with_files(_with_shapes(root), Scenario)
-    return _checked(root, assets)
+    return replace(_checked(root, assets), replaced_draws=replaced)
 
 
 def _with_shapes(root: Node) -> Node:

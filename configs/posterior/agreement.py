@@ -6,12 +6,46 @@ from collections.abc import Iterator
 from configs.checks.scenario import check_scenario
 from configs.posterior.drawing import mean_robot
 from configs.posterior.reading import KEY
-from configs.posterior.schema import FILE, Posterior, Value
+from configs.posterior.schema import FILE, LoadedPosterior, Posterior, Value
 from configs.schema.scenario import Scenario
-from configs.validation.faults import ConfigFault
+from configs.validation.faults import ConfigFault, is_shipped
 from configs.validation.values import validated
 from symolo.core.errors import shown, together
 from symolo.core.yaml.tree import FieldPath, Node, Values, dotted
+
+
+def without_shipped_draws(root: Node) -> tuple[Node, tuple[str, ...]]:
+    """Return a scenario without the draws that its posterior replaces, and the fields of these draws.
+
+    A shipped scenario draws a field for robots that nobody measured. Where a diagnosis determines the field, it has the
+    value of the robot that the diagnosis extends, and each run has that of its drawn robot. What a user draws is left
+    to `check_posterior`, which refuses it.
+
+    Args:
+        root: Tree of a scenario, with the content of the posterior that it names.
+    """
+    posterior = root.child(KEY)
+    if posterior is None:
+        return root, ()
+    replaced: list[str] = []
+    for path, value in sorted(_replaced(LoadedPosterior.model_validate(posterior.plain())).items()):
+        node = root.at(path)
+        if node is not None and node.is_distribution and is_shipped(node.where) and value is not None:
+            root = _with_value(root, path, Node(value, posterior.where))
+            replaced.append(dotted(path))
+    return root, tuple(replaced)
+
+
+def _with_value(root: Node, path: FieldPath, value: Node) -> Node:
+    if not path:
+        return value
+    assert isinstance(root.value, dict) and isinstance(path[0], str)  # noqa: S101, PT018 - the path was found in it
+    return Node({**root.value, path[0]: _with_value(root.value[path[0]], path[1:], value)}, root.where)
+
+
+def _replaced(posterior: Posterior) -> dict[FieldPath, Value]:
+    """Return the fields that any hypothesis determines, each with the value of the robot that the diagnosis extends."""
+    return {path: value for each in posterior.hypotheses for path, value in each.paths.items()}
 
 
 def check_posterior(root: Node, posterior: Posterior, values: Values) -> None:
@@ -44,8 +78,7 @@ def _faults(root: Node, posterior: Posterior) -> Iterator[ConfigFault]:
             cure=f"choose that robot with --set robot={posterior.robot}, or diagnose with --nominal and your robot",
         )
         return
-    replaced = {path: value for each in posterior.hypotheses for path, value in each.paths.items()}
-    for path, value in sorted(replaced.items(), key=lambda item: dotted(item[0])):
+    for path, value in sorted(_replaced(posterior).items(), key=lambda item: dotted(item[0])):
         node = root.at(path)
         if node is None or _same(node, value):
             continue

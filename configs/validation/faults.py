@@ -80,9 +80,14 @@ class ConfigFault:
         )
 
 
+def is_shipped(place: str) -> bool:
+    """Return whether a place is in a file that symolo ships."""
+    return place.startswith(f"{displayed(_SHIPPED)}/")
+
+
 def _change(place: str) -> int:
     """Return 2 for a value from the command line, 1 for one from a file of the user, and 0 for a shipped one."""
-    return 2 if place.startswith(SETTING) else int(not place.startswith(f"{displayed(_SHIPPED)}/"))
+    return 2 if place.startswith(SETTING) else int(not is_shipped(place))
 
 
 def _changed_below(root: Node, path: FieldPath) -> str:

@@ -73,7 +73,6 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         as_good=AS_GOOD,
         file=FILE,
         posterior_file=POSTERIOR_FILE,
-        drawn_supply=_drawn_supply(data),
         beyond_sentence=BEYOND_SENTENCE,
         beyond=list(beyond_list(data.unseen)),
         predictive_sentence=predictive_sentence(data.predictive),
@@ -87,14 +86,6 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         verdict=verdict,
         without_trials=without_trials(diagnosis.measurement),
     )
-
-
-def _drawn_supply(data: ReportData) -> str:
-    """Return the option that leaves the battery, which the shipped scenarios draw, to the posterior; or no text."""
-    supply_V = data.diagnosis.base_robot.power.battery_voltage_V
-    if data.robot.config.power.battery_voltage_V == supply_V:
-        return ""
-    return f" --set robot.power.battery_voltage_V={supply_V:g}"
 
 
 def _parameter_rows(named: NamedEffect, data: ReportData) -> Iterator[tuple[str, ...]]:

@@ -39,13 +39,19 @@ class Demand:
     """Setting that it comes from."""
 
 
-def source_line(like: LoadedPosterior | None) -> str:
-    """Return the measurement that the robots come from, with its hypotheses and their weights; empty without one."""
+def source_line(like: LoadedPosterior | None, replaced_draws: Sequence[str] = ()) -> str:
+    """Return the measurement that the robots come from, with its hypotheses and their weights; empty without one.
+
+    Args:
+        like: Posterior of the scenario.
+        replaced_draws: Fields that the scenario draws, and that come from the posterior instead.
+    """
     if like is None:
         return ""
     names = ", ".join(f"{each.name} {100.0 * each.weight:.3g} %" for each in like.hypotheses)
     none = f"{100.0 * like.something_else:.3g} %"
-    return f"like {like.source}: {names}; probability that the truth is something else {none}"
+    instead = f"; in place of what the scenario draws: {', '.join(replaced_draws)}" if replaced_draws else ""
+    return f"like {like.source}: {names}; probability that the truth is something else {none}{instead}"
 
 
 def demand_lines(like: LoadedPosterior | None, specs: Sequence[RunSpec]) -> tuple[str, ...]:

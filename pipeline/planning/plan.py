@@ -122,13 +122,19 @@ class ScenarioPlan:
 
     @classmethod
     def of(
-        cls, specs: Sequence[RunSpec], cores: int, like: LoadedPosterior | None = None, workers: int | None = None
+        cls,
+        specs: Sequence[RunSpec],
+        cores: int,
+        like: LoadedPosterior | None = None,
+        workers: int | None = None,
+        replaced_draws: Sequence[str] = (),
     ) -> "ScenarioPlan":
         cameras = [(spec, camera) for spec in specs for camera in cameras_of(spec) or [RunCamera("", spec, 0.0)]]
         planned = [(camera.name, _planned(spec, camera)) for spec, camera in cameras]
         runs = tuple(run for name, run in planned if not name)
         further = tuple(replace(run, rows=0) for name, run in planned if name)
-        return cls(runs, further, cores, workers, source_line(like), demand_lines(like, specs), plan_warnings(specs))
+        robots = source_line(like, replaced_draws)
+        return cls(runs, further, cores, workers, robots, demand_lines(like, specs), plan_warnings(specs))
 
     def notes(self) -> Iterator[str]:
         """Yield what a user should know before the runs are simulated."""

@@ -171,6 +171,34 @@ def test_a_number_that_the_scenario_chooses_itself_is_an_error_with_its_key(over
     assert message in f"{override.partition('=')[0]}: {error.value}"
 
 
+def with_supply(battery_V: float = 6.88) -> str:
+    """Return the posterior whose first hypothesis also has a supply that differs from that of the nominal robot."""
+    supply = f"      - {{field: power.battery_voltage_V, value: {battery_V}, replaces: 7.4}}\n"
+    return POSTERIOR.replace("    numbers:\n", f"{supply}    numbers:\n", 1)
+
+
+def test_a_draw_of_a_shipped_scenario_gives_way_to_the_posterior():
+    """`smoke` draws the supply, which the diagnosis determines; other draws stay."""
+    loaded = load_scenario("smoke", [written(with_supply()), "routes.0.runs=8"])
+    assert loaded.replaced_draws == ("robot.power.battery_voltage_V",)
+    for spec in draw_all(loaded):
+        named = spec.like.hypothesis != "no effect"
+        assert spec.robot.power.battery_voltage_V == (6.88 if named else 7.4)
+        assert "robot.drive.wheel_friction" in spec.drawn
+    assert draw_all(load_resolved(loaded.tree, "metadata.json")) == draw_all(loaded)
+    assert load_scenario("smoke").replaced_draws == ()
+    assert load_scenario("smoke", [written(folder="other")]).replaced_draws == ()
+
+
+@pytest.mark.parametrize("voltage", ["7.0", "{uniform: [7.0, 8.2]}"])
+def test_a_supply_that_the_user_sets_does_not_give_way(voltage, here):
+    with pytest.raises(InputError, match="and --like too"):
+        load_scenario("smoke", [written(with_supply()), f"robot.power.battery_voltage_V={voltage}"])
+    (here / "own.yaml").write_text(f"extends: smoke\nrobot: {{power: {{battery_voltage_V: {voltage}}}}}\n")
+    with pytest.raises(InputError, match=r"own\.yaml:2: .*and --like too"):
+        load_scenario("own.yaml", [written(with_supply())])
+
+
 def test_another_number_of_the_scenario_stays_and_may_be_drawn():
     loaded = load_scenario("trial.yaml", [written(), "robot.motor.coulomb_friction_N_m={uniform: [0.01, 0.02]}"])
     plain = load_scenario("trial.yaml", ["robot.motor.coulomb_friction_N_m={uniform: [0.01, 0.02]}"])

@@ -87,7 +87,8 @@ def plan(
             typer.echo(price.text(images, about))
         return
     loaded = load_scenario(scenario, overrides)
-    planned = ScenarioPlan.of(draw_reported(loaded, report_here()), cores(), loaded.like, workers)
+    specs = draw_reported(loaded, report_here())
+    planned = ScenarioPlan.of(specs, cores(), loaded.like, workers, loaded.replaced_draws)
     if as_json:
         from pipeline.json_results.plan import PlanResult
 

@@ -155,16 +155,6 @@ def test_effects_that_are_not_distinguished_lead_to_the_design_of_the_next_trial
     assert "symolo next" not in files_of("weak")[PAGE].decode() + files_of("weak")[SUMMARY].decode()
 
 
-def test_the_command_for_drawn_robots_leaves_another_supply_to_the_posterior(findings_of, files_of):
-    """The shipped scenarios draw the battery's voltage, and --like replaces it only at the base robot's value."""
-    data = findings_of("weak")
-    images = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
-    for supply_V, option in ((7.4, ""), (11.1, " --set robot.power.battery_voltage_V=7.4")):
-        config = data.robot.config.with_section("power", {"battery_voltage_V": supply_V})
-        html = text_of(page(replace(data, robot=replace(data.robot, config=config)), images))
-        assert f"--like posterior.yaml{option} --out simulated" in html
-
-
 @pytest.mark.parametrize(
     ("low", "high", "ticks"),
     [(0.64, 5.9, [1.0, 2.0, 5.0]), (0.64, 1.45, [0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4])],

@@ -61,3 +61,5 @@ def test_the_source_of_the_robots_has_the_weight_of_each_hypothesis():
     text = "like bench (motor_steady): no effect 75 %, sag 25 %; probability that the truth is something else 3 %"
     assert source_line(posterior()) == text
     assert source_line(None) == ""
+    replaced = ["robot.power.battery_voltage_V"]
+    assert source_line(posterior(), replaced) == f"{text}; in place of what the scenario draws: {replaced[0]}"
