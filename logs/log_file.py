@@ -38,7 +38,11 @@ class LogFile:
 
     def where(self, row: int) -> str:
         """Return the place of a row of the columns, from 0, for messages."""
-        return f"{self.path}: row {self.first_row + row}"
+        return f"{self.path}: {self.row(row)}"
+
+    def row(self, row: int) -> str:
+        """Return the name of a row of the columns, from 0, as it counts in the file."""
+        return f"row {self.first_row + row}"
 
     @property
     def rows(self) -> int:

@@ -134,7 +134,7 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
             if bool(source.column) == (source.constant is not None):
                 raise InputError("give either a column or a constant", where=place)
             for column in filter(None, (source.column, source.times)):
-                _check_column(column, log, place)
+                check_column(column, log, place)
             if source.constant is not None:
                 _check_constant(name, source, place, is_number=name in kind.scales)
             if (source.per_row or source.wraps_at) and name not in COUNTED:
@@ -167,7 +167,12 @@ def _check_offset(name: str, offset: float, where: str, *, is_measured: bool) ->
         raise InputError("offset", where=where, got=offset, allowed="at most a turn, in rad", cure=cure)
 
 
-def _check_column(column: str, log: LogFile, where: str) -> None:
+def check_column(column: str, log: LogFile, where: str) -> None:
+    """Refuse a column that a log does not have; `where` names who chose it.
+
+    Raises:
+        InputError: There is no such column.
+    """
     if column not in log.columns:
         what, columns = "the log has no such column", log.columns
         raise InputError(what, where=where, got=column, allowed=", ".join(columns), nearest=nearest(column, columns))

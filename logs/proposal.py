@@ -1,8 +1,10 @@
 """Proposal of a mapping for a log: columns from the names, units from the names or from the values."""
 
+import shlex
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -45,7 +47,13 @@ class Proposal:
     """Guesses that the user has to check, in one sentence each."""
 
 
-def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_open: Collection[str] = ()) -> Proposal:
+def propose_as(
+    log: LogFile,
+    kind: LogKind,
+    supply_V: float | None = None,
+    left_open: Collection[str] = (),
+    chosen: Mapping[str, str] = MappingProxyType({}),
+) -> Proposal:
     """Return a mapping for a log of a kind.
 
     Args:
@@ -53,18 +61,19 @@ def propose_as(log: LogFile, kind: LogKind, supply_V: float | None = None, left_
         kind: Kind of the log.
         supply_V: Voltage of a duty cycle of 1, if it is known.
         left_open: Quantities whose unit the caller guesses if no name states it.
+        chosen: Columns that the user chose, by quantity.
 
     Raises:
         InputError: The log lacks columns of this kind.
     """
-    recognised = kind.matched(list(log.columns))
+    recognised = kind.matched(list(log.columns), chosen)
     if not kind.suffices(recognised):
         raise missing(log, kind, recognised)
     sources: dict[str, Source] = {}
     warnings = []
     for name, column in recognised.items():
         unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
-        if kind.is_by_unit(name, column):
+        if name not in chosen and kind.is_by_unit(name, column):
             warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
         if unit == PERCENT or (DUTY & set(taken_apart(column).words) and not unit):
             duties = [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
@@ -101,6 +110,9 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     names = " or ".join(" ".join(sorted(each)) for each in nearest)
     unused = [name for name in log.columns if name not in recognised.values()]
     cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
+    if kind.column_option and unused:
+        first = f"{min(min(several, key=len))}={unused[0]}"
+        cure = f"name the column of each, such as {shlex.join([kind.column_option, first])}; or {cure}"
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",

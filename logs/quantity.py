@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Protocol
 
 from logs.plausible_units import PlausibleRange
@@ -21,7 +22,7 @@ FILLERS = words(
 LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
-TIME = words("t time timestamp stamp clock")
+TIME = words("t time timestamp stamp clock uptime")
 SUPPLY = words(
     "battery bat batt vbat vbatt ubat ubatt batterie batteriespannung akku accu lipo supply vcc vdd vin bus versorgung"
 )
@@ -91,6 +92,8 @@ class LogKind:
     """Reading that a single range sensor without a side has, if there is one of this kind."""
     mapping_option: str = "--mapping"
     """Option of the command that reads such logs, with which a user names a mapping file."""
+    column_option: str = ""
+    """Option with which a user names the column of one quantity; empty if the command has none."""
     supply_option: str = "with --set supply_voltage_V=NUMBER"
     """Words for how a user states the voltage of a full duty cycle."""
     page: str = "docs/case_from_log.md"
@@ -114,9 +117,15 @@ class LogKind:
         """Return the unit of a quantity; empty if it has none or is a word."""
         return self.scales[name].unit if name in self.scales else ""
 
-    def matched(self, columns: Sequence[str]) -> dict[str, str]:
-        """Return the columns of a log by the quantity that they seem to hold; each is used at most once."""
-        result = {name: name for name in self.names if name in columns}
+    def matched(self, columns: Sequence[str], chosen: Mapping[str, str] = MappingProxyType({})) -> dict[str, str]:
+        """Return the columns of a log by the quantity that they seem to hold; each is used at most once.
+
+        Args:
+            columns: Names of the columns.
+            chosen: Columns that the user chose, by quantity; those of quantities of other kinds do not count.
+        """
+        result = {name: name for name in self.names if name in columns and name not in chosen.values()}
+        result |= {name: column for name, column in chosen.items() if name in self.names}
         for quantity in self.quantities:
             if quantity.name in result:
                 continue

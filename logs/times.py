@@ -1,10 +1,14 @@
 """The usual step between the times of a log, gaps, and times that go back."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
+
+MAX_ACROSS_STEPS = 2.5
+"""Longest time, in usual steps, between the rows before and after one whose time is out of order; it is two steps."""
 
 
 def usual_step(steps_s: Array) -> float:
@@ -31,6 +35,27 @@ def gap_note(t_s: Array, min_steps: float) -> str:
         f" {'is' if len(gaps) == 1 else 'are'} more than {min_steps:g} times as long;"
         f" the longest gap is {steps_s[longest]:.4g} s, from t = {t_s[longest] - t_s[0]:.3f} s on"
     )
+
+
+def stray_rows(t_s: Array) -> NDArray[np.bool_]:
+    """Return which rows (N,) have a time that alone is out of order, while those before and after it belong together.
+
+    Args:
+        t_s: (N,), times; where the time goes back and goes on from there, something new begins.
+    """
+    stray = np.zeros(len(t_s), dtype=bool)
+    steps_s = np.diff(t_s)
+    back = np.flatnonzero(steps_s < 0.0) + 1
+    if not len(back):
+        return stray
+    across_s = MAX_ACROSS_STEPS * usual_step(steps_s[steps_s > 0.0]) if np.any(steps_s > 0.0) else 0.0
+    for row in back:
+        # Either this row is too early, or the one before it is too late.
+        for one in (row, row - 1):
+            if 0 < one < len(t_s) - 1 and 0.0 < t_s[one + 1] - t_s[one - 1] <= across_s:
+                stray[one] = True
+                break
+    return stray
 
 
 def goes_back(by_s: float, where: str) -> InputError:

@@ -9,12 +9,14 @@ import numpy as np
 
 from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
-from diagnosis.measured.pose_by_ticks import pose_by_ticks
+from diagnosis.measured.pose_by_ticks import PoseByTicks, pose_by_ticks
 from diagnosis.measured.screening import noise_of
 from diagnosis.measured.sweep_noise import noise_of_sweeps
 from diagnosis.new_case.estimates import motor_of, speed_noise, wheels_of
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
+from logs.heading_unit import guessed_heading_unit
+from logs.mapping import MAPPING
 from logs.times import usual_step
 from symolo.core.errors import InputError
 
@@ -156,11 +158,7 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
     estimated = wheels_of(moved, known)
     known |= estimated
     if "ticks_per_turn" not in known:
-        raise InputError(
-            "ticks_per_turn is missing, and without poses it cannot be estimated",
-            where=measurement.where,
-            cure="give it with --set ticks_per_turn=NUMBER: pulses of the encoder, times edges, times gear ratio",
-        )
+        raise _missing_ticks(measurement, moved)
     known = usual_wheels | known
     if has_ticks and measurement.has("u_left_V", "u_right_V"):
         motor = {key: value for key, value in known.items() if key in {*stated, "ticks_per_turn"}}
@@ -190,6 +188,31 @@ def _drive(measurement: Measurement, known: dict[str, float]) -> Iterator[str]:
         yield f"  pose_theta_rad: {max(moved.pose_theta_rad, 1e-4):.3g}  # estimated from this log"
     yield "  travel_m_per_sqrt_m: 0.001  # slip: a millimetre per metre"
     yield from _range_noise("tof_")
+
+
+def _missing_ticks(measurement: Measurement, moved: PoseByTicks | None) -> InputError:
+    """Return the error for ticks that were not given, with the reason why the log does not show them."""
+    cure = "give it with --set ticks_per_turn=NUMBER: pulses of the encoder, times edges, times gear ratio"
+    reason = "without poses it cannot be estimated"
+    if measurement.has("x_m", "y_m", "theta_rad"):
+        reason = "it cannot be estimated, since the robot hardly moves where poses and counts were logged"
+    if moved is not None:
+        if _is_in_degrees(measurement):
+            why = "the headings follow the path in degrees and not in rad"
+            cure = f"write unit: degrees for theta_rad in a {MAPPING} (docs/case_from_log.md); or {cure}"
+        else:
+            why = next(moved.contradictions(), "the poses do not follow the counts")
+        reason = f"it cannot be estimated, since {why}"
+    return InputError(f"ticks_per_turn is missing, and {reason}", where=measurement.where, cure=cure)
+
+
+def _is_in_degrees(measurement: Measurement) -> bool:
+    """Return whether the headings follow the path only if they are taken for degrees."""
+    for trial in measurement.trials:
+        place_m = np.column_stack([trial[name].values for name in ("x_m", "y_m")])
+        if guessed_heading_unit(trial.t_s, place_m, trial["theta_rad"].values)[0]:
+            return True
+    return False
 
 
 def _origin(key: str, known: Container[str], estimated: Container[str], *, has_ticks: bool) -> str:

@@ -1,13 +1,18 @@
 """Proposal of a mapping for the log of a case whose kind follows from its columns."""
 
+import shlex
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.quantities import KINDS, of_wheels
+from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, of_wheels
+from logs.drive import COUNTED
 from logs.log_file import LogFile
-from logs.mapping import MAPPING, Source
+from logs.mapping import MAPPING, Source, check_column
 from logs.proposal import Proposal, missing, propose_as, time_step_s
 from logs.quantity import SIDES
 from logs.units import taken_apart
-from symolo.core.errors import InputError
+from symolo.core.errors import InputError, nearest
 
 STEADY_FROM_S = 0.25
 """Time between two rows from which a log of a motor has one steady state in each row."""
@@ -16,48 +21,92 @@ USUAL_NAMES = "time_ms, pwm, voltage [V], current_mA, rpm, encL, x [mm], heading
 """Names of columns in logs of others, one for each quantity that most logs have."""
 
 
-def propose(log: LogFile, kind: CaseKind | None = None, supply_V: float | None = None) -> Proposal:
+def chosen_columns(settings: Sequence[str], log: LogFile, kind: CaseKind | None = None) -> dict[str, str]:
+    """Return the columns that a user chose, by quantity.
+
+    Args:
+        settings: Texts such as `t_s=loop_ms`.
+        log: The log.
+        kind: Kind of the case; None if it is recognised from the columns.
+
+    Raises:
+        InputError: A text has another form, or names a quantity or a column that does not exist, or one of them twice.
+    """
+    names = sorted({name for one in KINDS for name in KINDS[one].names if kind in {None, one}})
+    of_kind = f"a {kind}" if kind else "a log"
+    chosen: dict[str, str] = {}
+    for text in settings:
+        name, equals, column = (part.strip() for part in text.partition("="))
+        where = f"{COLUMN_OPTION} {name}"
+        if not equals:
+            allowed = f"QUANTITY=COLUMN, such as t_s={next(iter(log.columns))}"
+            raise InputError(COLUMN_OPTION, got=text, allowed=allowed)
+        if name not in names:
+            what = f"{COLUMN_OPTION}: no quantity of {of_kind}"
+            raise InputError(what, got=name, allowed=", ".join(names), nearest=nearest(name, names))
+        if name in chosen:
+            raise InputError("given twice", where=where, cure="name one column for each quantity")
+        check_column(column, log, where)
+        if other := next((other for other, one in chosen.items() if one == column), ""):
+            raise InputError(f"the column of {other}, too", where=where, got=column)
+        chosen[name] = column
+    return chosen
+
+
+def propose(
+    log: LogFile,
+    kind: CaseKind | None = None,
+    supply_V: float | None = None,
+    chosen: Mapping[str, str] = MappingProxyType({}),
+) -> Proposal:
     """Return a mapping for the log of a case.
 
     Args:
         log: The log.
         kind: Kind of the case; recognised from the columns by default.
         supply_V: Voltage of a duty cycle of 1, if it is known.
+        chosen: Columns that the user chose, by quantity.
 
     Raises:
         InputError: The columns of no kind, or not those of this one, are in the log.
     """
     if kind in {None, CaseKind.DRIVE_LOG}:
-        _check_wheels(log)
-    proposal = propose_as(log, KINDS[kind or _kind(log)], supply_V)
+        _check_wheels(log, chosen)
+    proposal = propose_as(log, KINDS[kind or _kind(log, chosen)], supply_V, chosen=chosen)
     front = proposal.mapping.columns.get("tof_front_m", Source()).column
-    if front in {"", "tof_front_m"} or SIDES & set(taken_apart(front).words):
+    if front in {"", "tof_front_m", chosen.get("tof_front_m")} or SIDES & set(taken_apart(front).words):
         return proposal
     guess = f"{front} (tof_front_m): taken for the sensor in front; else rename it in {MAPPING}"
     return Proposal(proposal.mapping, (*proposal.warnings, guess))
 
 
-def _check_wheels(log: LogFile) -> None:
+def _check_wheels(log: LogFile, chosen: Mapping[str, str]) -> None:
     """Refuse a log of a robot with more than two driven wheels.
 
     Raises:
         InputError: More than two columns are counts of encoders.
     """
-    wheels = of_wheels(list(log.columns))
+    wheels = of_wheels([name for name in log.columns if name not in chosen.values()])
+    wheels += [chosen[name] for name in COUNTED if name in chosen]
     if len(wheels) > 2:
         raise InputError(
             f"counts of {len(wheels)} wheels: {', '.join(wheels)}",
             where=log.header_where,
             allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
-            cure="a robot with three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, "
-            f"or each side has several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column "
-            "for each side, and name it with --mapping",
+            cure=f"if one of them is no count, name what it is, such as {_option('t_s', wheels[0])}; a robot with"
+            " three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, or each side has"
+            f" several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column for each side,"
+            " and name it with --mapping",
         )
 
 
-def _kind(log: LogFile) -> CaseKind:
+def _option(name: str, column: str) -> str:
+    return shlex.join([COLUMN_OPTION, f"{name}={column}"])
+
+
+def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
     """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
-    columns_of_kind = {kind: KINDS[kind].matched(list(log.columns)) for kind in KINDS}
+    columns_of_kind = {kind: KINDS[kind].matched(list(log.columns), chosen) for kind in KINDS}
     fitting = [kind for kind in KINDS if KINDS[kind].suffices(columns_of_kind[kind])]
     closest = max(KINDS, key=lambda kind: len(columns_of_kind[kind]))
     if not fitting and len(columns_of_kind[closest]) > 1:
@@ -69,8 +118,9 @@ def _kind(log: LogFile) -> CaseKind:
             where=log.header_where,
             got=list(log.columns),
             allowed="; ".join(f"for {kind}: {' '.join(sorted(KINDS[kind].needed[0]))}" for kind in KINDS),
-            cure=f"rename the columns (usual names such as {USUAL_NAMES} are recognised, too), or write a {MAPPING}"
-            f" with lines such as {line} (docs/case_from_log.md#correct-the-mapping) and name it with --mapping",
+            cure=f"name each with {COLUMN_OPTION} QUANTITY=COLUMN, or rename the columns (usual names such as"
+            f" {USUAL_NAMES} are recognised, too), or write a {MAPPING} with lines such as {line}"
+            " (docs/case_from_log.md#correct-the-mapping) and name it with --mapping",
         )
     best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
     if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:

@@ -27,6 +27,8 @@ from logs.quantity import (
 )
 from logs.units import HeaderName, taken_apart
 
+COLUMN_OPTION = "--column"
+"""Option of `symolo case init` for the column of one quantity."""
 _CURRENT = words("i current cur amps")
 _TIMES = Quantity("t_s", (TIME,))
 _MOTOR = (
@@ -100,6 +102,7 @@ KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
             RANGES | ({"distance_m"} if kind is CaseKind.TOF_BENCH else set()),
             by_unit=_BY_UNIT.get(kind, frozenset()),
             held=_HELD.get(kind, frozenset()),
+            column_option=COLUMN_OPTION,
             lone_range="tof_front_m" if kind is CaseKind.DRIVE_LOG else "",
         )
         for kind, needed in _NEEDED.items()

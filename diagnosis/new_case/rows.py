@@ -21,17 +21,17 @@ from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
 from diagnosis.new_case.sampling_note import has_times, in_words, is_input
+from diagnosis.new_case.trial_rows import IN_TIME, rows_of_trials
 from logs.counts import running_counts
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source, missing_note
 from logs.possible_motion import check_motion, larger_time_unit
 from logs.proposal import unit_faults
-from logs.times import goes_back, usual_step
+from logs.times import usual_step
 from logs.units import factor_to, unit_of
 from logs.wrapped_angles import whole_turn
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
-from symolo.core.progress import plural
 from symolo.core.tables.time_series import TimeSeries
 
 SLOWEST_S = 0.1
@@ -42,8 +42,6 @@ changes of counts from row to row: 2 % of the step are 2 % of the speed.
 """
 AT_REST = 0.25
 """Largest speed in the first row, as a share of that in the second, of a motor that is still at rest in the first."""
-LONGEST_GAP_S = 3600.0
-"""Longest gap within a trial; a longer one is a broken time stamp, or two logs in one file."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 DECIMALS = 9
@@ -54,7 +52,6 @@ MIN_HELD_MOTION = 0.05
 """Share of the motion of a trial that its last quarter needs, if it is to say anything about the robot."""
 _MOVES = ("enc_left_ticks", "enc_right_ticks", "omega_rad_s")
 """Columns by which a trial moves: counts, and the speed of a motor, which changes while the motor starts and stops."""
-_IN_TIME = frozenset({CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP})
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
         parts = [_Rows(*of_other_rows(part.t_s, part.values, names, kind)) for part in parts if len(part.t_s) > 1]
     elif kind is CaseKind.MOTOR_STEP:
         parts = _from_first_motion(parts, notes)
-    if kind in _IN_TIME:
+    if kind in IN_TIME:
         offsets = {name: source.time_offset_s for name, source in mapping.columns.items() if source.time_offset_s}
         parts = [_shifted(part, offsets) for part in parts]
         parts = _regular(parts, kind, log, notes)
@@ -108,7 +105,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     held = _holdout(parts, kind, notes)
     trials, begins_s = [], 0.0
     for number, (part, holdout) in enumerate(zip(parts, held, strict=True), 1):
-        trials.append(_trial(f"{number}", part, holdout, kind, begins_s if kind in _IN_TIME else 0.0))
+        trials.append(_trial(f"{number}", part, holdout, kind, begins_s if kind in IN_TIME else 0.0))
         begins_s += float(part.t_s[-1]) + 1.0
     return Measurement(name, kind, source, tuple(trials), notes=tuple(notes))
 
@@ -132,7 +129,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = factor * running_counts(source.numbers(log), source, name, notes) + source.offset
             if name == "t_s":
                 _check_times(numbers, log, source.column)
-                if kind in _IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
+                if kind in IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
                     numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
     if not faults.faults:
@@ -155,43 +152,15 @@ def _check_times(t_s: Array, log: LogFile, column: str) -> None:
 def _trials(
     values: Mapping[str, Array], words: Sequence[str], kind: CaseKind, log: LogFile, notes: list[str]
 ) -> list[_Rows]:
-    """Return the trials: those of the column, or else a new one wherever the time goes back.
-
-    Raises:
-        InputError: The time goes back within a trial, at most rows, or on a range bench, which has one trial only.
-    """
     t_s = values["t_s"]
-    group = values.get("trial", values.get("sweep"))
-    steps = np.diff(t_s)
-    new = steps < 0.0 if group is None else np.diff(group) != 0.0
-    if group is None and 2 * np.count_nonzero(new) > len(steps):
-        first = int(np.argmax(new))
-        raise goes_back(float(-steps[first]), log.where(first + 1))
-    if kind is CaseKind.TOF_BENCH and new.any():
-        cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
-        raise InputError("the time goes back", where=log.where(int(np.argmax(new)) + 1), cure=cure)
-    if group is None and new.any() and kind in _IN_TIME:
-        notes.append(
-            f"the time goes back {plural(np.count_nonzero(new), 'time')}; a new trial begins at each of these rows"
+    return [
+        _Rows(
+            t_s[rows],
+            {name: column[rows] for name, column in values.items()},
+            tuple(words[int(i)] for i in rows) if words else (),
         )
-    is_used = np.concatenate([[True], new | (steps != 0.0)])
-    if not is_used.all():
-        repeated = plural(np.count_nonzero(~is_used), "row")
-        notes.append(f"left out, because the time of the row above is repeated: {repeated}")
-    number = np.concatenate([[0], np.cumsum(new)])
-    parts = []
-    for trial in range(int(number[-1]) + 1):
-        rows = np.flatnonzero((number == trial) & is_used)
-        if kind in _IN_TIME:
-            _check_steps(t_s[rows], rows, log)
-        parts.append(
-            _Rows(
-                t_s[rows],
-                {name: column[rows] for name, column in values.items()},
-                tuple(words[int(i)] for i in rows) if words else (),
-            )
-        )
-    return parts
+        for rows in rows_of_trials(t_s, values.get("trial", values.get("sweep")), kind, log, notes)
+    ]
 
 
 def _check_motion(parts: Sequence[_Rows], times: Source, log: LogFile) -> None:
@@ -222,19 +191,6 @@ def _at_sample_times(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows
         f"evenly sampled, {usual_step(np.diff(even_s[0])):.4g} s apart"
     )
     return [_Rows(even, part.values, part.words) for part, even in zip(parts, even_s, strict=True)]
-
-
-def _check_steps(t_s: Array, rows: NDArray[np.int64], log: LogFile) -> None:
-    """Refuse a trial, whose rows of the log are given, in which the time goes back or jumps far ahead."""
-    steps = np.diff(t_s)
-    wrong = np.flatnonzero((steps < 0.0) | (steps > LONGEST_GAP_S)).tolist()
-    if not wrong:
-        return
-    where = log.where(int(rows[wrong[0] + 1]))
-    if steps[wrong[0]] < 0.0:
-        raise InputError("the time goes back within a trial", where=where)
-    cure = "repair or remove the row, or begin a new trial there with a column trial"
-    raise InputError(f"the time goes on by {steps[wrong[0]]:.4g} s", where=where, cure=cure)
 
 
 def _from_first_motion(parts: Sequence[_Rows], notes: list[str]) -> Sequence[_Rows]:
@@ -352,7 +308,7 @@ def _interpolated(wanted_s: Array, t_s: Array, values: Array) -> Array:
 
 def _holdout(parts: Sequence[_Rows], kind: CaseKind, notes: list[str]) -> list[NDArray[np.bool_]]:
     rows = [len(part.t_s) for part in parts]
-    if kind not in _IN_TIME:
+    if kind not in IN_TIME:
         notes.append("every fourth row is held out")
         number = np.arange(sum(rows)) % HELD_OUT_EACH == HELD_OUT_EACH - 1
         return np.split(number, np.cumsum(rows)[:-1])

@@ -47,6 +47,15 @@ def init(
             help="motor_steady, motor_step, tof_bench or drive_log; by default recognised from the columns.",
         ),
     ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--column",
+            metavar="QUANTITY=COLUMN",
+            help="Column of a quantity whose column is not recognised by its name, such as t_s=loop_ms; may be "
+            "repeated. The others are recognised.",
+        ),
+    ] = None,
     mapping: Annotated[
         Path | None,
         typer.Option(
@@ -79,12 +88,14 @@ def init(
 
     Example: symolo case init run.csv --out my_case --set wheel_diameter_m=0.065 --set track_m=0.14
 
+    Example: symolo case init run.csv --column t_s=loop_ms --out my_case
+
     Example: symolo case init run.csv --mapping my_case/mapping.yaml --out my_case_2
     """
     from diagnosis.measured.measurement import CaseKind
     from diagnosis.new_case.known_numbers import parsed
     from diagnosis.new_case.new_case import new_case
-    from diagnosis.new_case.proposal import propose
+    from diagnosis.new_case.proposal import chosen_columns, propose
     from diagnosis.new_case.quantities import KINDS
     from diagnosis.new_case.room_corner import from_corner
     from logs.log_file import read_log
@@ -98,7 +109,12 @@ def init(
         raise InputError("--kind", got=kind, allowed=", ".join(names), nearest=nearest(kind, names))
     known = parsed(settings or ())
     _check_origin(log)
+    if column and mapping is not None:
+        what = "--column: a mapping file names every column that is to be read"
+        raise InputError(what, cure="leave one of the two out, or edit the mapping")
     table = read_log(log)
+    of_kind = None if kind is None else CaseKind(kind)
+    columns = chosen_columns(column or (), table, of_kind)
     checked = None
     if mapping is not None:
         checked = read_mapping(mapping, list(KINDS.values()))
@@ -108,7 +124,7 @@ def init(
         """Return the case and the guesses of its mapping, which depend on the voltage of the supply."""
         chosen, warnings = checked, ()
         if chosen is None:
-            proposal = propose(table, None if kind is None else CaseKind(kind), known.get("supply_voltage_V"))
+            proposal = propose(table, of_kind, known.get("supply_voltage_V"), columns)
             chosen, warnings = proposal.mapping, proposal.warnings
         chosen = from_corner(chosen, known)
         return new_case(table, chosen, out.absolute().name).knowing(known), warnings

@@ -270,11 +270,10 @@ def test_a_new_trial_begins_where_the_time_goes_back(log):
     assert (np.diff(begins) > 0.0).all()
 
 
-@pytest.mark.parametrize("row", [3, 39])
-def test_a_broken_time_stamp_is_refused_with_its_row(row, log):
+def test_a_broken_time_stamp_in_the_last_row_is_refused_with_its_row(log):
     t = np.round(0.02 * np.arange(40), 6)
-    t[row] = 5e8
-    with pytest.raises(InputError, match=rf"run.csv: row {row + 2}: the time goes on by 5e\+08 s; .*begin a new trial"):
+    t[39] = 5e8
+    with pytest.raises(InputError, match=r"run.csv: row 41: the time goes on by 5e\+08 s; .*begin a new trial"):
         measured(log(drive(t)))
 
 
@@ -549,7 +548,7 @@ def test_a_quantity_without_a_column_is_named_beside_the_columns_that_are_not_re
         propose(columns, kind)
     assert re.search(
         r"no column was recognised as theta_rad, which a log of the kind drive_log needs; not recognised: spin, foo; "
-        r"rename them, or write a mapping.yaml",
+        r"name the column of each, such as --column theta_rad=spin; or rename them, or write a mapping.yaml",
         str(raised.value),
     )
 

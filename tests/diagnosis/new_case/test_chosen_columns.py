@@ -1,0 +1,92 @@
+"""Columns that the user chooses with `--column`, beside those that are recognised by their names."""
+
+import numpy as np
+import pytest
+import yaml
+
+from diagnosis.measured.measurement import CaseKind
+from diagnosis.new_case.quantities import KINDS
+
+
+def renamed(columns, **names):
+    return {names.get(name, name): column for name, column in columns.items()}
+
+
+def test_a_chosen_column_completes_those_that_are_recognised(init, columns, tmp_path):
+    init(columns, "--out", "by_name")
+    code, out, err, _ = init(renamed(columns, time_ms="loop_ms"), "--column", "t_s=loop_ms")
+    assert (code, err) == (0, "")
+    assert "t_s             from loop_ms, in ms" in out
+    by_name, chosen = (
+        yaml.safe_load((tmp_path / case / "mapping.yaml").read_text())["columns"] for case in ("by_name", "run")
+    )
+    assert chosen == {**by_name, "t_s": {"column": "loop_ms", "unit": "ms"}}
+
+
+def test_a_chosen_column_is_no_count_of_a_third_wheel(init, columns):
+    """`tick` alone would be taken for one."""
+    code, out, err, _ = init(renamed(columns, time_ms="tick"), "--column", "t_s=tick")
+    assert (code, err) == (0, "")
+    assert "tick (t_s): the name has no unit; taken for ms" in out
+
+
+def test_an_error_about_three_wheels_names_the_option_for_a_column_that_is_no_count(init, columns):
+    code, _, err, _ = init(renamed(columns, time_ms="tick"))
+    assert code == 2
+    assert "counts of 3 wheels: tick, enc_l, enc_r" in err
+    assert "if one of them is no count, name what it is, such as --column t_s=tick" in err
+
+
+def test_the_command_that_takes_a_column_is_in_the_error(init, columns):
+    code, _, err, _ = init(renamed(columns, time_ms="loop_ms"))
+    assert code == 2
+    assert "no column was recognised as t_s" in err
+    assert "not recognised: loop_ms; name the column of each, such as --column t_s=loop_ms" in err
+
+
+def test_a_chosen_column_goes_before_one_whose_name_fits(init, columns):
+    _, out, _, _ = init({**columns, "x_filtered": np.asarray(columns["x_cm"]) / 100}, "--column", "x_m=x_filtered")
+    assert "x_m             from x_filtered" in out
+    assert "not used: x_cm" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--column", "t_s=loopms"), "--column t_s: the log has no such column: got 'loopms'"),
+        (("--column", "time=loop_ms"), "--column: no quantity of a log: got 'time'"),
+        (("--column", "t_s"), "--column: got 't_s', allowed: QUANTITY=COLUMN, such as t_s=loop_ms"),
+        (("--column", "t_s=loop_ms", "--column", "t_s=enc_l"), "--column t_s: given twice"),
+        (("--column", "t_s=loop_ms", "--column", "x_m=loop_ms"), "--column x_m: the column of t_s, too: got 'loop_ms'"),
+        (("--column", "t_s=loop_ms", "--kind", "tof_bench"), "no column was recognised as distance_m reading_m"),
+        (("--column", "reading_m=loop_ms", "--kind", "drive_log"), "--column: no quantity of a drive_log"),
+        (("--column", "t_s=loop_ms", "--mapping", "mapping.yaml"), "--column: a mapping file names every column"),
+    ],
+)
+def test_a_choice_that_does_not_fit_is_refused(arguments, message, init, columns, tmp_path):
+    (tmp_path / "mapping.yaml").write_text("kind: drive_log\n")
+    code, _, err, _ = init(renamed(columns, time_ms="loop_ms"), *arguments)
+    assert code == 2
+    assert message in err
+
+
+@pytest.mark.parametrize("name", ["uptime_ms", "uptime", "millis"])
+def test_the_clock_of_a_microcontroller_is_a_time(name):
+    assert KINDS[CaseKind.DRIVE_LOG].matched([name]) == {"t_s": name}
+
+
+def test_headings_in_degrees_that_are_called_radians_are_named_where_the_ticks_are_missing(init, columns):
+    """The ticks of a turn could be estimated from the poses, if the headings followed the path."""
+    logged = {name: column for name, column in columns.items() if name != "heading_deg"}
+    code, _, err, _ = init({**logged, "heading_rad": columns["heading_deg"]})
+    assert code == 2
+    assert "without poses" not in err
+    assert "it cannot be estimated, since the headings follow the path in degrees and not in rad" in err
+    assert "write unit: degrees for theta_rad" in err
+
+
+def test_poses_that_contradict_the_ticks_are_named_where_the_ticks_are_missing(init, columns):
+    exchanged = renamed(columns, enc_l="enc_r", enc_r="enc_l")
+    code, _, err, _ = init(exchanged)
+    assert code == 2
+    assert "it cannot be estimated, since theta_rad turns against the wheels: exchange left and right" in err
