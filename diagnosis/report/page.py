@@ -21,6 +21,7 @@ from diagnosis.report.sentences.compared import (
     source_text,
 )
 from diagnosis.report.sentences.early_voltages import early_voltage_sentences
+from diagnosis.report.sentences.motors import torque_constants
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.predictive import predictive_sentence
@@ -78,6 +79,7 @@ def page(data: ReportData, plots: Mapping[str, bytes]) -> str:
         predictive_sentence=predictive_sentence(data.predictive),
         too_large=too_large,
         wheel_sizes=wheel_sizes,
+        torque_constants=torque_constants,
         of_the_log=of_the_log,
         file_numbers=file_numbers,
         dataset_comparison=dataset_comparison,

@@ -15,6 +15,7 @@ from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences import discovered, file_numbers
 from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
 from diagnosis.report.sentences.early_voltages import early_voltage_sentences
+from diagnosis.report.sentences.motors import torque_constants
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
 from diagnosis.report.sentences.quantities import meaning, with_error
@@ -119,8 +120,11 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
     if stated:
         rise = data.rise_with_file[named.effect.name]
         yield from _entry("  its file", file_numbers.comparison(named, rise, ablation.cost_rise))
-    if sizes := wheel_sizes(named, data.diagnosis, "+-"):
-        yield from _entry("  wheels", sizes)
+    for label, text in (
+        ("  wheels", wheel_sizes(named, data.diagnosis, "+-")),
+        ("  torque constants", torque_constants(named, data.diagnosis, "+-")),
+    ):
+        yield from _entry(label, text) if text else ()
     yield from _entry("  meaning", meaning(named.effect.kind))
     yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))
@@ -169,7 +173,10 @@ def reasoning(data: ReportData) -> list[str]:
     ]
     if diagnosis.withdrawn:
         lines += [f"Withdrawn, since that structure makes them unnecessary: {', '.join(diagnosis.withdrawn)}"]
-    lines += ["Effects that look alike in these data (cosine of their changes)"]
+    lines += [
+        "Effects that look alike in these data (cosine of their changes); many rows distinguish them all the same,"
+    ]
+    lines += ["if the alternatives above say so"]
     lines += [f"  {a} and {b}: {cosine:.3f}" for a, b, cosine in data.signatures.alike] or ["  none"]
     untestable = ", ".join(diagnosis.candidates.untestable) or "none"
     text = f"Effects that change no prediction of these data, so that nothing is known about them: {untestable}"

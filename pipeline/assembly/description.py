@@ -1,7 +1,9 @@
 """README.md of a dataset: what a person needs to use it, written from its metadata."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 
+from configs.schema.appearance.camera_look import ColourFilter
 from configs.schema.arena import Obstacle
 from configs.schema.robot import Camera, RobotConfig
 from configs.schema.scenario import SceneSpec
@@ -26,12 +28,20 @@ from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.layout import DATA
 from symolo.dataset.rates import period_beside_rows_s
 
+_COLOURS: Mapping[ColourFilter, str] = MappingProxyType(
+    {
+        "none": "red, green and blue at each pixel",
+        "bayer": "one of red, green and blue at each pixel, the other two interpolated",
+        "monochrome": "none: the sensor measures all colours together",
+    }
+)
+
 
 def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
     """Return the description of a dataset; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
     parts += [_annotations(metadata), frames_part(metadata), _robot(metadata, example), _further_cameras(example)]
-    parts += [_arena(metadata, example), _origins(metadata)]
+    parts += [_images(metadata, example), _arena(metadata, example), _origins(metadata)]
     parts += [runs_part(metadata), splits_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
@@ -187,6 +197,30 @@ def _further_cameras(spec: SceneSpec) -> str:
         return ""
     table = markdown_table(("camera", "lens", "place in R", "axis", "size", "period"), rows)
     return f"## Further cameras\n\nValues are those of {spec.key} where they are drawn per run.\n\n{table}"
+
+
+def _images(metadata: Metadata, spec: SceneSpec) -> str:
+    """Return the table of the look, and of the response of the camera of data.csv; empty without images."""
+    if not any(run.images for run in metadata.runs):
+        return ""
+    camera, look = spec.look.camera, spec.look
+    exposure = f"{1000 * camera.exposure_time_s:g} ms" if camera.exposure_time_s else "an instant, without motion blur"
+    if (manual := camera.manual_exposure) is not None:
+        exposure = f"the same in all images: {exposure}, ISO {manual.iso:g}, f/{manual.f_number:g}"
+    else:
+        exposure = f"automatic; {exposure}"
+    read_out_ms = 1000 * spec.robot.camera.read_out_s
+    rows = [
+        ("look", f"{plain_text(look.name)}: {plain_text(look.description)}"),
+        *([("camera", f"{plain_text(camera.name)}: {plain_text(camera.description)}")] if camera.name else []),
+        ("exposure", exposure),
+        ("colours", _COLOURS[camera.colour_filter]),
+        ("shutter", f"rolling: {read_out_ms:g} ms from the top row to the bottom row" if read_out_ms else "global"),
+    ]
+    return (
+        f"## Images\n\nValues are those of the camera of data.csv in {spec.key} where they are drawn per run.\n\n"
+        f"{markdown_table(('part', 'value'), rows)}"
+    )
 
 
 def _arena(metadata: Metadata, spec: SceneSpec) -> str:

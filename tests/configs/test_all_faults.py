@@ -184,4 +184,4 @@ def test_a_derived_scenario_has_no_texts_of_its_parent(tmp_path):
     named = load_scenario(str(tmp_path / "named.yaml"))
     assert (named.name, named.description) == ("named", "Mine")
     assert named.tree["render"]["width_px"] == 64
-    assert load_scenario("smoke").description == "Both routes for six seconds each at 160 x 120"
+    assert load_scenario("smoke").description == "A short drive on each of both routes, with small images"

@@ -43,6 +43,10 @@ class CameraDocument(BaseModel):
     field_of_view_deg: float | None = Field(default=None, exclude_if=lambda angle: angle is None)
     """Angle within which a fisheye lens brings light to the sensor."""
     exposure_s: float
+    iso: float | None = Field(default=None, exclude_if=lambda speed: speed is None)
+    """ISO speed of a manual exposure; None for an automatic one."""
+    f_number: float | None = Field(default=None, exclude_if=lambda number: number is None)
+    """F-number of a manual exposure; None for an automatic one."""
     read_out_s: float
     """Time from the exposure of the first row to that of the row after the last; 0 for a global shutter."""
     X_RC: tuple[Row4, Row4, Row4, Row4]
@@ -79,6 +83,8 @@ class CameraDocument(BaseModel):
             "exposure_s": spec.look.camera.exposure_time_s,
             "read_out_s": spec.robot.camera.read_out_s,
         }
+        if (manual := spec.look.camera.manual_exposure) is not None:
+            numbers |= {"iso": manual.iso, "f_number": manual.f_number}
         return cls.model_validate({"width_px": camera.width_px, "height_px": camera.height_px, **numbers})
 
     def to_json(self) -> bytes:

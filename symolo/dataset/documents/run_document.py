@@ -209,8 +209,15 @@ class RobotSection(SpecSection):
     """Settings of the further sensors by name; metadata.json describes their tables."""
 
 
+class ManualExposureSection(SpecSection):
+    iso: float
+    f_number: float
+
+
 class LookCameraSection(SpecSection):
     exposure_time_s: float
+    manual_exposure: ManualExposureSection | None = None
+    """None for an automatic exposure."""
 
 
 class LookSection(SpecSection):

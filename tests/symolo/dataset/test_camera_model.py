@@ -70,6 +70,13 @@ def test_an_instant_is_exposed_at_its_stamp(rows):
     assert table[:, -2:].tolist() == [[0, 0], [200, 0]]
 
 
+def test_a_manual_exposure_is_stated_with_speed_and_f_number(spec):
+    settings = ("look.camera.exposure_time_s=0.01", "look.camera.manual_exposure={iso: 200, f_number: 4}")
+    document = CameraDocument.of(draw_run(load_scenario("smoke", settings), "CW", 1))
+    assert (document.exposure_s, document.iso, document.f_number) == (0.01, 200, 4)
+    assert not {"iso", "f_number"} & json.loads(CameraDocument.of(spec).to_json()).keys()
+
+
 def test_what_is_written_is_read_again_and_damage_is_reported(spec, tmp_path):
     model = CameraDocument.of(spec)
     path = tmp_path / "intrinsics.json"

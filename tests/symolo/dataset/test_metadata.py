@@ -33,14 +33,14 @@ class Recorded:
         return SimpleNamespace(values=self.values[name])
 
 
-def standing_rows(spec, tof_m):
+def standing_rows(spec, tof_m, image=(1, 0)):
     trajectory = SimpleNamespace(
         t_s=np.array([0.0, 0.05]),
         pose=np.tile([spec.start.x_m, spec.start.y_m, 0.0], (2, 1)),
         state=np.zeros(2, dtype=np.int64),
         twist=np.zeros((2, 2)),
     )
-    values = {"tof_m": np.array(tof_m), "line": np.ones((2, 8)), "image": np.array([1, 0])}
+    values = {"tof_m": np.array(tof_m), "line": np.ones((2, 8)), "image": np.array(image)}
     return Rows.from_recording(Recorded(trajectory, values))
 
 
@@ -58,10 +58,10 @@ def test_limits_with_more_digits_than_the_table_do_not_make_its_readings_faults(
     assert found == []
 
 
-def described(scenario):
-    loaded = load_scenario(scenario)
+def described(scenario, *settings, image=(1, 0)):
+    loaded = load_scenario(scenario, settings)
     specs = draw_all(loaded)
-    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3)), image), None) for spec in specs]
     return markdown(describe(loaded.tree, specs, records, []), specs[0]).decode()
 
 
@@ -71,6 +71,21 @@ def test_a_description_says_whose_arena_it_shows():
     assert "arena of its own" not in written
     assert "pieces (metadata.json)" not in drawn
     assert "pieces (metadata.json)" in written
+
+
+def test_a_description_has_the_look_the_camera_and_the_exposure_of_the_images():
+    exposure = ("look.camera.exposure_time_s=0.01", "look.camera.manual_exposure.iso=200")
+    text = described("smoke", "look.camera=machine_vision", *exposure, "robot.camera.read_out_s=0.02")
+    images = text[text.index("## Images") : text.index("## Arena")]
+    assert "classroom: " in images
+    assert "machine_vision: " in images
+    assert "| exposure | the same in all images: 10 ms, ISO 200, f/2.8 |" in images
+    assert "| colours | none: the sensor measures all colours together |" in images
+    assert "| shutter | rolling: 20 ms from the top row to the bottom row |" in images
+    automatic = described("smoke")
+    assert "| exposure | automatic; an instant, without motion blur |" in automatic
+    assert "| shutter | global |" in automatic
+    assert "## Images" not in described("smoke", image=(0, 0))
 
 
 def test_the_same_description_follows_from_the_file():
