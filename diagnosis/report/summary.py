@@ -173,10 +173,8 @@ def reasoning(data: ReportData) -> list[str]:
     ]
     if diagnosis.withdrawn:
         lines += [f"Withdrawn, since that structure makes them unnecessary: {', '.join(diagnosis.withdrawn)}"]
-    lines += [
-        "Effects that look alike in these data (cosine of their changes); many rows distinguish them all the same,"
-    ]
-    lines += ["if the alternatives above say so"]
+    lines += ["Effects that look alike in these data (cosine of their changes); whether an effect that is named can be"]
+    lines += ["distinguished from them all the same, as with many rows, is under its alternatives"]
     lines += [f"  {a} and {b}: {cosine:.3f}" for a, b, cosine in data.signatures.alike] or ["  none"]
     untestable = ", ".join(diagnosis.candidates.untestable) or "none"
     text = f"Effects that change no prediction of these data, so that nothing is known about them: {untestable}"
