@@ -18,6 +18,7 @@ from configs.schema.scenario import Render, RunSpec, SceneSpec
 from pipeline.executors.base import Executor
 from pipeline.importing.imported_runs import DEFAULT_SCENARIO
 from pipeline.planning.plan import BYTES_PER_ROW, image_bytes, render_core_s
+from pipeline.rerendering.camera_response import response_warnings
 from pipeline.rerendering.image_rows import with_images
 from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.rerendering.room_check import check_on_the_floor
@@ -86,7 +87,7 @@ class Rerendering:
     sensors: tuple[ListedSensor, ...]
     device: DeviceKind
     warnings: tuple[str, ...] = ()
-    """What is suspicious about the images of the source's runs, whatever their look."""
+    """What is suspicious about the images of the source's runs, and which of their cameras a look replaces."""
 
 
 def draw_seed(seed: int, draw: int) -> int:
@@ -139,6 +140,7 @@ def prepare(sources: Sources, request: RerenderRequest) -> Rerendering:
         for scene, run in zip(scenes, sources.runs, strict=True)
         for text in scene.outcome.suspicions[len(run.outcome.suspicions) :]
     )
+    warnings += response_warnings([run.spec for run in sources.runs], [run.spec for run in runs])
     return Rerendering(tuple(runs), tree, assets, sources.sensors, device_for(render.device), warnings)
 
 
