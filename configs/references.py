@@ -21,6 +21,12 @@ WITH_FILES = ("arena", "robot", "look")
 """Sections with a key `assets`, which names a folder of the user."""
 _TEXTS = frozenset({"name", "description"})
 """Fields of a scenario that a scenario which extends it does not inherit, since they would describe another one."""
+_SEVERAL = {
+    "arena": "give routes an `arena` of their own, or draw one for each run with arena: random (docs/arenas.md)",
+    "robot": "make a release for each robot",
+    "look": "render the runs under other looks afterwards: symolo rerender DIR --looks NAME,NAME",
+}
+"""What to do for a dataset with several of a section."""
 _MAX_CHAIN = 32
 _SHIPPED = Path(__file__).parent
 
@@ -177,10 +183,17 @@ def resolve_section(kind: str, node: Node, folder: Path, what: str = "") -> tupl
     what = what or kind
     if isinstance(node.value, str):
         return read_file(kind, locate(kind, node.value, folder=folder, what=what, where=node.where)), True
-    if not isinstance(node.value, dict) or node.is_distribution:
+    if not isinstance(node.value, dict):
         allowed = f"{_references(kind)}, or a mapping"
-        cure = "for several arenas, give routes an `arena` of their own (docs/arenas.md)" if kind == "arena" else ""
-        raise InputError(what, where=node.where, got=node.plain(), allowed=allowed, cure=cure)
+        raise InputError(what, where=node.where, got=node.plain(), allowed=allowed)
+    if node.is_distribution:
+        raise InputError(
+            f"{what}: one {kind} for all runs, which no distribution draws",
+            where=node.where,
+            got=node.plain(),
+            allowed=f"{_references(kind)}, or a mapping, in which single fields may be drawn",
+            cure=_SEVERAL.get(kind, ""),
+        )
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
         return resolve(kind, node, folder, prefix=(kind,)), True
     node = with_camera(node, folder) if kind == "look" else node

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 
+from configs.validation.other_units import other_unit
 from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind, Measurement
 from symolo.core.errors import FaultList, InputError, nearest
@@ -137,7 +139,8 @@ def value_of(text: str, number: KnownNumber) -> float:
     is_inside = number.low <= value <= number.high and not (number.low == 0.0 == value)
     if not is_inside:
         low = "above 0" if number.low == 0.0 else f"{number.low:g}"
-        raise InputError(number.key, got=text, allowed=f"a number, {low} to {number.high:g}")
+        hint = other_unit(number.key, value, number.low, number.high) if isfinite(value) else ""
+        raise InputError(number.key, got=text, allowed=f"a number, {low} to {number.high:g}", cure=hint)
     return value
 
 

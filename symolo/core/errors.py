@@ -114,11 +114,21 @@ def one_line(text: str) -> str:
     return _UNPRINTABLE.sub(" ", text)
 
 
+MIN_ABBREVIATION = 3
+"""Smallest number of letters of an abbreviation."""
+
+
 def nearest(name: object, candidates: Iterable[str]) -> str:
-    """Return the candidate that is most similar to `name`, or an empty string if none is close."""
+    """Return the candidate that is most similar to `name`, or the only one of which `name` is the beginning.
+
+    Empty if none is close.
+    """
     by_lower = {candidate.lower(): candidate for candidate in candidates}
-    matches = difflib.get_close_matches(str(name)[:200].lower(), by_lower, n=1, cutoff=0.6)
-    return by_lower[matches[0]] if matches else ""
+    lower = str(name)[:200].lower()
+    if matches := difflib.get_close_matches(lower, by_lower, n=1, cutoff=0.6):
+        return by_lower[matches[0]]
+    longer = [candidate for candidate in by_lower if candidate.startswith(lower)]
+    return by_lower[longer[0]] if len(longer) == 1 and len(lower) >= MIN_ABBREVIATION else ""
 
 
 def shown(value: object) -> str:

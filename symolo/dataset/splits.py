@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from types import MappingProxyType
 
 from symolo.core.errors import InputError, together
 from symolo.core.progress import plural
@@ -188,6 +189,14 @@ def _divided(
     return {name: {run: tuple(numbers) for run, numbers in runs.items()} for name, runs in splits.items()}
 
 
+_MORE_GROUPS: Mapping[Grouping, str] = MappingProxyType(
+    {
+        "run": "write shares of fewer splits, or make more runs",
+        "arena": "give routes arenas of their own; divide by run; or write shares of fewer splits",
+    }
+)
+
+
 def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, float], where: str) -> InputError:
     listed = _some(names)
     groups = f"the groups are {listed}"
@@ -201,7 +210,7 @@ def _too_few(by: Grouping, names: Sequence[str], shares: Mapping[SplitName, floa
         where=where,
         got=by,
         allowed=f"a property that has at least {plural(len(shares), 'value')} in these runs",
-        cure="remove shares or make more runs" if by == "run" else "divide by run, or remove shares",
+        cure=_MORE_GROUPS.get(by, "divide by run, or write shares of fewer splits"),
     )
 
 

@@ -36,6 +36,11 @@ OVERRIDES = {
     "unknown item": ("routes.CWW.runs=1", "--set routes.CWW.runs: routes: item: got 'CWW'"),
     "field of a number": ("seed.low=1", "--set seed.low: seed is a single value and has no field 'low': got 7"),
     "unknown look": ("look=clasroom", "--set look: got 'clasroom'"),
+    "several arenas": (
+        "arena={choice: [symolo, classroom]}",
+        "--set arena: one arena for all runs, which no distribution draws: got {choice: ['symolo', 'classroom']}",
+    ),
+    "several looks": ("look={choice: [lab, night]}", "--set look: one look for all runs"),
     "extends": ("extends=smoke", "--set extends: 'extends' is read from files alone"),
     "tag": ("seed=!!int 3", "--set seed: value: got '!!int'; tags are not read"),
 }

@@ -101,5 +101,5 @@ def test_faults_name_the_route():
 
 def test_an_arena_that_is_drawn_as_a_whole_is_refused_with_the_way_to_have_several():
     Path("top.yaml").write_text("extends: symolo\narena: {choice: [symolo, classroom]}\n")
-    with pytest.raises(InputError, match="for several arenas, give routes an `arena` of their own"):
+    with pytest.raises(InputError, match="give routes an `arena` of their own"):
         load_scenario("top.yaml")

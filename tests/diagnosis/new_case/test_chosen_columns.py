@@ -90,3 +90,11 @@ def test_poses_that_contradict_the_ticks_are_named_where_the_ticks_are_missing(i
     code, _, err, _ = init(exchanged)
     assert code == 2
     assert "it cannot be estimated, since theta_rad turns against the wheels: exchange left and right" in err
+
+
+def test_a_number_in_another_unit_is_named_with_its_value_in_ours(init, columns):
+    _, _, err, _ = init(columns, "--set", "wheel_diameter_m=65")
+    assert (
+        "wheel_diameter_m: got 65, allowed: a number, above 0 to 0.5; is it in metres? 65 mm are 0.065"
+        in err.replace("'", "")
+    )

@@ -49,6 +49,11 @@ def test_nearest_looks_past_case_and_gives_up_on_strangers():
     assert nearest(None, names) == ""
 
 
+@pytest.mark.parametrize(("name", "result"), [("val", "validation"), ("VALID", "validation"), ("va", ""), ("tra", "")])
+def test_an_abbreviation_is_the_beginning_of_one_name_alone(name, result):
+    assert nearest(name, ["training", "trajectory", "validation"]) == result
+
+
 def test_characters_that_turn_the_direction_of_a_line_are_left_out():
     marks = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
     assert one_line(f"gnp{marks}.exe") == "gnp .exe"
