@@ -23,6 +23,7 @@ from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.measured.measurement import CaseKind
+from diagnosis.predictors.turning_loads import TURNING
 from diagnosis.report.report_data import Ablation, ReportData
 from diagnosis.report.sentences.file_numbers import label
 from diagnosis.report.sentences.parameters_off import parameters_off
@@ -294,9 +295,12 @@ def unexplained_sentence(structure: Structure) -> str:
         GAIN: f"a gain that changes with {words}",
         "bump": f"a bump around one value of {words}",
     }.get(shape, f"a {shape} over {words}") + (f", {sign}" if sign else "")
+    where = along(structure.covariate)
+    if structure.covariate == TURNING:
+        where, shape = f"{where}, the rate of turning", f"as from a {structure.what}"
     return (
-        f"The residuals of {structure.observed} have structure along {along(structure.covariate)} ({shape}); the "
-        f"probability of this by chance is {chance}."
+        f"The residuals of {structure.observed} have structure along {where} ({shape}). Its root mean square is "
+        f"{structure.size:.2g} standard deviations of the noise, and the probability of it by chance is {chance}."
     )
 
 
