@@ -15,6 +15,8 @@ class LostPart(JsonPart):
     """Number of images that would be lost."""
     annotations: list[str]
     """Annotations that other images would lose."""
+    own_sensors: list[str] = []
+    """Sensors of a kind that no loaded file defines, whose readings would be lost."""
     signature: bool
     """Whether the signature would be lost."""
 
@@ -59,6 +61,7 @@ class ReleaseResult(JsonResult):
                 runs=list(losses.runs),
                 images=losses.images,
                 annotations=list(losses.annotations),
+                own_sensors=list(losses.own_sensors),
                 signature=losses.signature,
             ),
         )

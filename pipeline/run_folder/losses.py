@@ -10,6 +10,7 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import released_runs
 from pipeline.stages.cameras import cameras_of, logged_cameras
 from pipeline.stages.simulate_runs import simulation_key
+from sensors.registry import SENSORS
 from symolo.core.errors import InputError
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import is_plain_file
@@ -19,6 +20,7 @@ from symolo.dataset.documents.metadata import Metadata, RunRecord, made_with, re
 from symolo.dataset.documents.run_records import CameraRecord
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST
+from symolo.dataset.tables.sensor_tables import LOGGED
 
 MAX_NAMES = 3
 """Largest number of runs that a line names."""
@@ -38,6 +40,8 @@ class Losses:
     """Number of their images, of all cameras, and of those of cameras that the other runs no longer have."""
     annotations: tuple[str, ...]
     """Annotations that images of the other runs no longer have."""
+    own_sensors: tuple[str, ...]
+    """Sensors that the other runs no longer have, and whose kind is in a file of the user that is not loaded."""
     signature: bool
 
     @property
@@ -47,6 +51,9 @@ class Losses:
             named_runs(self.runs) if self.runs else "",
             plural(self.images, "image") if self.images else "",
             f"annotations ({', '.join(self.annotations)})" if self.annotations else "",
+            f"the readings of {', '.join(self.own_sensors)} (--sensor-file names no file of such a sensor)"
+            if self.own_sensors
+            else "",
             "the signature" if self.signature else "",
         ]
         *first, last = [part for part in parts if part] or [""]
@@ -68,7 +75,7 @@ def losses_of(workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneS
     """Return what the folder would lose if the runs `specs` of the scenario `tree` were released into it."""
     out, new_name = workspace.out, specs[0].scenario
     if not _is_finished(workspace):
-        return Losses("", new_name, (), 0, (), signature=False)
+        return Losses("", new_name, (), 0, (), (), signature=False)
     metadata = read_metadata(out) or read_metadata(out / STAGES / "assemble")
     released = released_runs(workspace)
     is_same = metadata is not None and metadata.name == new_name
@@ -85,6 +92,7 @@ def losses_of(workspace: Workspace, tree: dict[str, Any], specs: Sequence[SceneS
         tuple(sorted(runs, key=in_order)),
         images,
         annotations,
+        _own_sensors(metadata, unchanged),
         signature=is_signed and (bool(runs) or _changes(workspace, metadata, tree, specs)),
     )
 
@@ -197,6 +205,15 @@ def _images_and_annotations(
             else:
                 images += camera.images
     return images, tuple(sorted(annotations))
+
+
+def _own_sensors(metadata: Metadata | None, unchanged: Mapping[str, SceneSpec]) -> tuple[str, ...]:
+    """Return the sensors that runs lose and that the loaded kinds cannot make again: a file was probably forgotten."""
+    if metadata is None or not unchanged:
+        return ()
+    kinds = {*SENSORS.by_name(), LOGGED}
+    kept = {name for spec in unchanged.values() for name in spec.robot.sensors.names}
+    return tuple(name for name, sensor in metadata.sensors.items() if sensor.kind not in kinds and name not in kept)
 
 
 def _annotations_by_camera(spec: SceneSpec) -> dict[str, tuple[AnnotationName, ...]]:

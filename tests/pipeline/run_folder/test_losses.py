@@ -71,6 +71,24 @@ def test_runs_that_the_scenario_no_longer_has_are_not_removed_unasked(out, symol
     assert state_of(out) == before
 
 
+def test_a_sensor_of_a_file_that_is_not_named_is_not_removed_unasked(out, symolo, tiny):
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["sensors"] = {
+        "beam": {"kind": "beam", "meaning": "One beam."},
+        "sonar": {"kind": "imu", "meaning": "Known."},
+    }
+    column = {"unit": "m", "meaning": "a number", "decimals": 3}
+    for name in metadata["sensors"]:
+        metadata["columns"][f"side/{name}.csv"] = [{**column, "name": "t"}, {**column, "name": "range"}]
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert ended.code == 2
+    lost = "the readings of beam (--sensor-file names no file of such a sensor) would be lost"
+    assert f"contains the finished dataset smoke: {lost}; name another" in ended.err
+    assert state_of(out) == before
+
+
 def test_a_dry_run_says_what_a_release_would_take_away_do_and_keep_and_writes_nothing(out, symolo, tiny):
     before = state_of(out)
     ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--dry-run", "--replace")
