@@ -1,5 +1,6 @@
 """README.md of a dataset: what a person needs to use it, written from its metadata."""
 
+import math
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
@@ -169,7 +170,9 @@ def _lens(camera: Camera) -> list[tuple[str, str]]:
             ("lens", f"fisheye, as k1, k2, k3, k4 of OpenCV: {k}"),
         ]
     k = ", ".join(f"{value:g}" for value in coefficients(camera))
+    across_deg = math.degrees(2.0 * math.atan(0.5 * camera.sensor_width_mm / camera.focal_length_mm))
     return [
+        ("field of view", f"{across_deg:.1f} deg across, without distortion"),
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
         ("lens", f"as k1, k2, p1, p2, k3 of OpenCV: {k}"),
     ]

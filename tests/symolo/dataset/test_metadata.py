@@ -83,6 +83,7 @@ def test_a_description_has_the_look_the_camera_and_the_exposure_of_the_images():
     assert "| colours | none: the sensor measures all colours together |" in images
     assert "| shutter | rolling: 20 ms from the top row to the bottom row |" in images
     automatic = described("smoke")
+    assert "| field of view | 70.4 deg across, without distortion |" in automatic
     assert "| exposure | automatic; an instant, without motion blur |" in automatic
     assert "| shutter | global |" in automatic
     assert "## Images" not in described("smoke", image=(0, 0))
