@@ -52,7 +52,8 @@ def check_possible(t_s: Array, pose: Array, at: Where, *, in_milliseconds: bool)
         row = int(nowhere[0])
         x_m, y_m = pose[row, :2].tolist()
         raise InputError(f"x = {x_m:g}, y = {y_m:g} m is no place on Earth", where=at(row), cure="remove the row")
-    _check_headings(pose, at)
+    mapped = "" if in_milliseconds else ", or write unit: degrees for theta_rad in a mapping file, which --map names"
+    _check_headings(pose, at, mapped)
     column = "t"
     cure = "are the times in a larger unit, or the places in a smaller one? name their units in a mapping file"
     if in_milliseconds:
@@ -62,7 +63,7 @@ def check_possible(t_s: Array, pose: Array, at: Where, *, in_milliseconds: bool)
     check_motion(t_s, pose[:, :2], at, cure, column=column)
 
 
-def _check_headings(pose: Array, at: Where) -> None:
+def _check_headings(pose: Array, at: Where, mapped: str) -> None:
     """Refuse headings beyond a full turn that follow the path as degrees and do not follow it as radians.
 
     The robot rolls along its heading, forwards or backwards. A heading by another convention follows the path in
@@ -79,7 +80,7 @@ def _check_headings(pose: Array, at: Where) -> None:
             "column theta: agrees with the path of x and y only if it is in degrees",
             where=at(int(beyond[0])),
             got=round(float(yaw[beyond[0]]), 6),
-            cure="give theta in radians",
+            cure=f"give theta in radians{mapped}",
         )
 
 

@@ -9,6 +9,7 @@ from blender_scenes.scene.run_scene import arena_bounds
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from pipeline.rerendering.rerender import RerenderRequest
+from pipeline.run_warnings.imported_trajectory import check_possible
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.tables.rows import Rows
@@ -84,6 +85,13 @@ def test_the_room_and_not_the_arena_is_what_counts(tmp_path, prepared):
     prepared(written(tmp_path / "in.csv", moved(circle(), east_m + 1.49 - 0.3)), request)
     with pytest.raises(InputError, match="is outside the room"):
         prepared(written(tmp_path / "out.csv", moved(circle(), east_m + 1.51 - 0.3)), request)
+
+
+def test_headings_of_a_table_in_degrees_are_named_with_the_unit_of_a_mapping():
+    pose = in_degrees(circle())
+    t_s = 0.05 * np.arange(len(pose))
+    with pytest.raises(InputError, match=r"write unit: degrees for theta_rad in a mapping file, which --map names"):
+        check_possible(t_s, pose, "row {}".format, in_milliseconds=False)
 
 
 @pytest.mark.parametrize(
