@@ -89,8 +89,7 @@ def _faults(root: Node, posterior: Posterior) -> Iterator[ConfigFault]:
             f"the scenario {draws} it, and --{KEY} too",
             node.plain(),
             allowed=f"{replaced}, as the robot {posterior.robot} has it",
-            cure=f"write {replaced}, and its value comes from {FILE} (here: --set {dotted(path)}={replaced}); or leave "
-            f"out --{KEY}",
+            cure=f"leave it out, and its value comes from {FILE}; or leave out --{KEY}",
         )
 
 

@@ -161,7 +161,7 @@ def test_a_file_that_does_not_fit_is_refused_with_its_place(before, after, messa
         ),
         (
             "robot.power.motor_voltage_limit_V=7",
-            "write 6.0, and its value comes from posterior.yaml (here: --set robot.power.motor_voltage_limit_V=6.0)",
+            "got 7, allowed: 6.0, as the robot nominal has it; leave it out, and its value comes from posterior.yaml",
         ),
     ],
 )
