@@ -20,12 +20,23 @@ def exposure_faults(camera: CameraLook) -> Iterator[ConfigFault]:
         yield ConfigFault(path, got=camera.exposure_time_s, allowed=allowed, against=(*path[:2], "manual_exposure"))
 
 
+def _gain_faults(camera: CameraLook) -> Iterator[ConfigFault]:
+    """Yield an ISO speed at which the sensor would be full before white."""
+    manual = camera.manual_exposure
+    if manual is not None and manual.iso < manual.base_iso:
+        path: FieldPath = ("look", "camera", "manual_exposure", "iso")
+        allowed = f"at least the base_iso of {manual.base_iso:g}, at which the sensor is full when it is white"
+        cure = "for darker images, make exposure_time_s shorter; if the sensor has a lower base ISO, set base_iso"
+        yield ConfigFault(path, got=manual.iso, allowed=allowed, against=(*path[:3], "base_iso"), cure=cure)
+
+
 def look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     """Yield what is wrong with a look, whatever arena it shows."""
     if look.floor.material == "image" and look.floor.image.file is None:
         cure = "name an image in the folder of look.assets, or choose another look.floor.material"
         yield ConfigFault(("look", "floor", "image", "file"), "missing, because the floor is an image", cure=cure)
     yield from exposure_faults(look.camera)
+    yield from _gain_faults(look.camera)
     max_sill_m = look.room.height_m - LINTEL_M - MIN_WINDOW_M
     if look.window.sill_m > max_sill_m + 1e-9:
         problem = "the window does not fit below the ceiling"

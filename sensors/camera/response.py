@@ -85,8 +85,8 @@ class CameraResponse:
             contrast=look.contrast,
             saturation=look.saturation,
             vignetting=look.vignetting,
-            shot_noise=look.shot_noise,
-            read_noise=look.read_noise,
+            shot_noise=look.shot_noise * _gain(look) ** 0.5,
+            read_noise=look.read_noise * _gain(look),
             jpeg_quality=jpeg_quality,
             lens_blur_px=look.lens_blur_px,
             veiling_glare=look.veiling_glare,
@@ -115,6 +115,16 @@ def _white_balance(look: CameraLook, light: RGB) -> RGB:
     share = look.white_balance_adaption
     white = (fixed / fixed[1]) ** (1 - share) * (actual / actual[1]) ** share
     return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
+
+
+def _gain(look: CameraLook) -> float:
+    """Return the gain of the sensor, relative to that for which its noise is set; 1 if the exposure is automatic.
+
+    Without gain, N electrons fill a pixel and are white. With a gain g, N / g electrons are white: the standard
+    deviation of photons, sqrt(N / g), is then sqrt(g) times as large a share of white, and that of r electrons of read
+    noise g times (the linear model of EMVA 1288, in which both pass the same gain).
+    """
+    return 1.0 if look.manual_exposure is None else look.manual_exposure.iso / look.manual_exposure.base_iso
 
 
 def _manual_gain(look: CameraLook) -> float:

@@ -29,7 +29,9 @@ class ManualExposure(Section):
     """
 
     iso: float = Field(ge=1, le=1_000_000)
-    """ISO speed S, the gain of the sensor: ISO 200 is twice as bright as ISO 100. Noise does not follow it."""
+    """ISO speed S, the gain of the sensor: ISO 200 is twice as bright as ISO 100, with more noise."""
+    base_iso: float = Field(default=100.0, ge=1, le=1_000_000)
+    """ISO speed without gain, at which white fills a pixel: `shot_noise` and `read_noise` are those at this speed."""
     f_number: float = Field(default=2.8, ge=0.5, le=64)
     """F-number N of the lens, its focal length over its aperture: f/2.8 is 2.8. It affects only the brightness."""
 
@@ -49,7 +51,7 @@ class CameraLook(Section):
     """Adaption of the exposure: 0 is one exposure per run, metered on a few of its views; 1 meters each frame."""
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
     """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness depends
-    on it only with `manual_exposure`, and noise does not."""
+    on it only with `manual_exposure`."""
     manual_exposure: ManualExposure | None = Field(default=None, exclude_if=lambda exposure: exposure is None)
     """Manual exposure, in place of the automatic one with `brightness` and `exposure_adaption`."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)

@@ -19,8 +19,9 @@ PLAIN = CameraLook(
 GREY = np.ones((8, 8, 3), np.float32)
 
 
-def response(time_s=0.01, iso=100.0, f_number=2.8, **settings):
-    update = {"exposure_time_s": time_s, "manual_exposure": ManualExposure(iso=iso, f_number=f_number), **settings}
+def response(time_s=0.01, iso=100.0, f_number=2.8, base_iso=100.0, **settings):
+    manual = ManualExposure(iso=iso, f_number=f_number, base_iso=base_iso)
+    update = {"exposure_time_s": time_s, "manual_exposure": manual, **settings}
     return CameraResponse.from_look(PLAIN.model_copy(update=update), (1.0, 1.0, 1.0), 1, 92)
 
 
@@ -71,6 +72,34 @@ def test_what_is_brighter_than_white_is_clipped():
     assert develop(10 * white_level(3.0, camera) * GREY, camera, 3.0, 1).min() == 255
 
 
+@pytest.mark.parametrize(("iso", "base_iso"), [(100.0, 100.0), (400.0, 100.0), (1600.0, 100.0), (1600.0, 200.0)])
+def test_noise_is_that_of_the_electrons_that_are_left_for_white(iso, base_iso):
+    """A pixel of 10000 electrons, shot noise 1 %, with 8 electrons of read noise.
+
+    At four times its base ISO speed, 2500 electrons are white. A quarter of that has a standard deviation of
+    sqrt(625 + 8^2) electrons, 1.05 % of white.
+    """
+    camera = response(iso=iso, base_iso=base_iso, shot_noise=0.01, read_noise=0.0008)
+    even = np.full((300, 300, 3), 0.25 * white_level(3.0, camera), np.float32)
+    values = inverse_tone(np.asarray(develop_part(even, camera, 3.0, 1), float) / 255, 1.0)
+    white = 10_000 * base_iso / iso
+    electrons = np.random.default_rng(1).poisson(0.25 * white, 400_000) + np.random.default_rng(2).normal(0, 8, 400_000)
+    assert values.std() == pytest.approx(np.sqrt(0.25 * white + 8**2) / white, rel=0.02)
+    assert values.std() == pytest.approx(electrons.std() / white, rel=0.02)
+
+
+@pytest.mark.parametrize("change", [{"time_s": 0.02}, {"f_number": 5.6}, {"compensation_ev": -1.0}])
+def test_noise_of_white_follows_nothing_but_the_gain(change):
+    noisy = {"shot_noise": 0.01, "read_noise": 0.0008}
+    one, other = response(**noisy), response(**change, **noisy)
+    assert (one.shot_noise, one.read_noise) == (other.shot_noise, other.read_noise) == (0.01, 0.0008)
+
+
+def test_noise_of_an_automatic_camera_is_as_it_is_set():
+    automatic = CameraResponse.from_look(CameraLook(shot_noise=0.02, read_noise=0.001), (1.0, 1.0, 1.0), 1, 92)
+    assert (automatic.shot_noise, automatic.read_noise) == (0.02, 0.001)
+
+
 def test_an_automatic_camera_has_the_settings_of_before():
     assert "manual_exposure" not in CameraLook().model_dump(mode="json")
 
@@ -80,6 +109,10 @@ def test_an_automatic_camera_has_the_settings_of_before():
     [
         (["look.camera.manual_exposure.iso=200"], "look.camera.exposure_time_s: got 0.0, allowed: more than 0"),
         (["look.camera.manual_exposure.iso=200", "look.camera.exposure_time_s=10"], "is it in seconds? 10 ms are 0.01"),
+        (
+            ["look.camera.manual_exposure.iso=50", "look.camera.exposure_time_s=0.01"],
+            "look.camera.manual_exposure.iso: got 50.0, allowed: at least the base_iso of 100",
+        ),
         (["look.camera.manual_exposure={f_number: 2}", "look.camera.exposure_time_s=0.01"], "iso: missing"),
     ],
 )
