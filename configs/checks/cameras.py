@@ -17,9 +17,9 @@ from symolo.dataset.documents.camera_specification import further_cameras, speci
 
 
 def lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
-    """Yield what is wrong with the lens of the camera of data.csv."""
+    """Yield what is wrong with the lens of the camera of data.csv, or hybrid rendering where no lens allows it."""
     camera, render = scenario.robot.camera, scenario.render
-    if camera.fisheye is not None and render.method == "hybrid":
+    if camera.fisheye is not None and render.method == "hybrid" and "hybrid" not in _further_methods(scenario):
         allowed, cure = "auto or full", "leave it out: images through a fisheye lens are traced in full"
         against = ("robot", "camera", "fisheye")
         yield ConfigFault(
@@ -27,6 +27,12 @@ def lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
         )
     for fault in optics_faults(camera, render.width_px, render.height_px):
         yield replace(fault, path=("robot", "camera", *fault.path))
+
+
+def _further_methods(scenario: Scenario | SceneSpec) -> list[str]:
+    """Return the methods by which the images of further cameras are rendered."""
+    content = scenario.model_dump(mode="json")
+    return [specification_of(content, name)["render"]["method"] for name in further_cameras(content)]
 
 
 def camera_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:

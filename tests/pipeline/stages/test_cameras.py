@@ -11,6 +11,7 @@ import pytest
 
 import symolo as library
 from blender_scenes.render.job import FramePose
+from blender_scenes.render.sampling import rendering_of
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import main
@@ -38,6 +39,7 @@ SETTINGS = [
     "render.height_px=24",
     *(f"robot.sensors.{name}={settings}" for name, settings in CAMERAS.items()),
 ]
+HYBRID = ["robot.camera.fisheye={}", "render.method=hybrid"]
 RUN = "CW/test_1"
 IMAGES = {"": 4, "left": 5, "right": 5, "rear": 3}
 
@@ -247,14 +249,20 @@ def test_an_impossible_camera_is_refused_before_anything_is_made(settings, messa
         (["robot.camera.fisheye={k1: -1}"], r"robot\.camera\.fisheye: the lens folds the image back .* got 'k1 -1"),
         (["robot.camera.fisheye={}", "robot.camera.distortion.k1=0.1"], r"distortion: it is that of a pinhole camera"),
         (
-            ["robot.camera.fisheye={}", "render.method=hybrid"],
+            [*HYBRID, "robot.sensors.left=null", "robot.sensors.right=null"],
             r"pinhole images: got 'hybrid', allowed: auto or full \(",
         ),
+        ([*HYBRID, "robot.sensors.left.quality=draft", "robot.sensors.right=null"], r"allowed: auto or full \("),
     ],
 )
 def test_an_impossible_fisheye_lens_of_the_camera_of_data_csv_is_refused(settings, message):
     with pytest.raises(InputError, match=message):
         drawn(*settings)
+
+
+def test_hybrid_rendering_is_for_the_cameras_without_a_fisheye_lens():
+    methods = {c.name: rendering_of(c.spec.render, c.spec.robot.camera).method for c in cameras_of(drawn(*HYBRID))}
+    assert methods == {"": "full", "left": "hybrid", "right": "hybrid", "rear": "full"}
 
 
 def test_the_camera_of_data_csv_sees_through_a_fisheye_lens_what_a_further_one_sees():
