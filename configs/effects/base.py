@@ -159,6 +159,8 @@ class Effect(Section):
     """Excitation that a measurement must contain to reveal the effect."""
     setups: ClassVar[tuple[Setup, ...]] = tuple(Setup)
     """Measurements in which the diagnosis looks for the effect; in any other one it does not consider it."""
+    grows_with_time: ClassVar[bool] = False
+    """Whether the effect grows in proportion to the time, as no error of a numerical integration does."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it

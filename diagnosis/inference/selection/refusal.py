@@ -29,7 +29,7 @@ PER_PARAMETER = 3.0
 NEGLIGIBLE = 0.01
 """Size relative to the start value, below which an effect does not count in a time series: a delay of a millisecond in
 a log with 20 rows per second may as well be an integration error. The rows of a bench are states, without such errors,
-so that any size counts there that the readings show."""
+so that any size counts there that the readings show, and so does any size of an effect that grows with time."""
 NEGLIGIBLE_TIME = 0.01
 """The same for a delay or a lag, relative to the time between two rows, which is less in a fast log: a row is divided
 where a delayed voltage takes effect, and a lag acts within the row."""
@@ -140,8 +140,11 @@ def _effective(falls: Array) -> float:
 
 
 def is_negligible(fit: HypothesisFit, effect: CandidateEffect) -> bool:
-    """Return whether all amplitudes of an effect in a time series are negligible compared with its start values."""
-    if not any(observed.is_series for observed in fit.evidence.observed):
+    """Return whether all amplitudes of an effect in a time series are negligible compared with its start values.
+
+    Errors of an integration are the same early and late, so that no effect that grows with time is negligible.
+    """
+    if effect.kind.grows_with_time or not any(observed.is_series for observed in fit.evidence.observed):
         return False
     at = fit.x[fit.hypothesis.parameters(effect)].tolist()
     sizes = [

@@ -14,6 +14,7 @@ class BatteryDecline(Effect):
     cause = "discharge under a driver that does not regulate"
     excitation = "the same commands early and late in the session"
     setups = (Setup.DRIVE,)
+    grows_with_time = True
 
     fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
     """u_true = u (1 - fraction * time / 60 s), and 0 when the battery is empty."""

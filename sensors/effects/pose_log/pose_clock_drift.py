@@ -14,6 +14,7 @@ class PoseClockDrift(Effect):
     cause = "clocks of camera and robot that were aligned at the start only"
     excitation = "fast turns and starts, early and late in a long drive"
     setups = (Setup.DRIVE,)
+    grows_with_time = True
 
     rate: Annotated[
         float,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 
@@ -82,6 +83,30 @@ class ErrorModel:
     def between(self, t_s: Array, other_s: Array) -> Array:
         """Return the covariance (m, n) of the error at times (m,) with that at other times (n,)."""
         return self.error_m**2 * np.exp(-np.abs(t_s[:, None] - other_s) / self.tau_s)
+
+
+def predictable(t_s: Array, residual_m: Array, sd_m: Array, error: ErrorModel, limit: float) -> Mask:
+    """Return which of some residuals are no further from what those before say than a number of standard deviations.
+
+    One that is further away says nothing about the error.
+
+    Args:
+        t_s: (n,), rising times.
+        residual_m: (n,), residuals.
+        sd_m: (n,), standard deviations of the white noise.
+        error: The error; its level is not used.
+        limit: The number of standard deviations.
+    """
+    variance = whole = error.error_m**2
+    remaining = np.exp(-np.diff(t_s, prepend=t_s[0]) / error.tau_s).tolist()
+    mean, near = 0.0, np.zeros(len(t_s), dtype=bool)
+    for row, (value, white, share) in enumerate(zip(residual_m.tolist(), (sd_m**2).tolist(), remaining, strict=True)):
+        mean, variance = share * mean, share**2 * (variance - whole) + whole
+        surprise, total = value - mean, variance + white
+        near[row] = abs(surprise) <= limit * total**0.5
+        if near[row]:
+            mean, variance = mean + variance / total * surprise, white * variance / total
+    return near
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,8 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     may_be_imitated = bool(fit.hypothesis.effects) if search.is_bench else _warms_up(fit)
     if white - seen.cost < search.needed and not may_be_imitated:
         return None
+    search = search.with_drifted_rows(seen)
+    seen, white = search.beside(fit), search.cost_of_white_noise(fit)
     seen = _weighed(search, seen)
     if seen.shares.sum(axis=1)[0] > SURE:  # the noise may be correlated over still fewer rows
         return None

@@ -80,16 +80,33 @@ class RangeSeries:
     """(P, n), derivatives of the predictions by the coordinates of the fit."""
 
     @classmethod
-    def of(cls, fit: HypothesisFit, ranges: RangeRows, at: Array, rows: Mask) -> "RangeSeries":
-        """Return the series of some rows (N,) of the ranges along a coordinate (N,)."""
-        inside = np.flatnonzero(rows)[np.argsort(at[rows], kind="stable")]
-        begins = _begins(at[inside], ROWS_OF_SENSOR * ranges.sensors)
+    def of(
+        cls, fit: HypothesisFit, ranges: RangeRows, at: Array, rows: Mask, time_s: Array | None = None
+    ) -> "RangeSeries":
+        """Return the series of some rows (N,) of the ranges along a coordinate (N,).
+
+        Args:
+            fit: The fit.
+            ranges: The ranges.
+            at: (N,), the coordinate.
+            rows: (N,), the rows.
+            time_s: (N,), times by which rows are neighbours whose mean is taken; the mean then has the coordinate of
+                the row in the middle. By default rows are neighbours along the coordinate.
+        """
+        along = at if time_s is None else time_s
+        inside = np.flatnonzero(rows)[np.argsort(along[rows], kind="stable")]
+        begins = _begins(along[inside], ROWS_OF_SENSOR * ranges.sensors)
         sd_m = fit.sd[ranges.place]
         weight = sd_m[inside] ** -2.0
         total = np.add.reduceat(weight, begins)
         values = np.stack([at, (fit.z * fit.sd)[ranges.place], *(fit.slopes[:, ranges.place] * sd_m)])[:, inside]
         means = np.add.reduceat(weight * values, begins, axis=1) / total
-        return cls(means[0], ranges.path[inside][begins], means[1], total**-0.5, means[2:])
+        path, mean_sd_m = ranges.path[inside][begins], total**-0.5
+        if time_s is None:
+            return cls(means[0], path, means[1], mean_sd_m, means[2:])
+        middle = at[inside[(begins + np.append(begins[1:], len(inside))) // 2]]
+        order = np.argsort(middle, kind="stable")
+        return cls(middle[order], path[order], means[1, order], mean_sd_m[order], means[2:, order])
 
     @property
     def z(self) -> Array:

@@ -31,7 +31,7 @@ MIN_WAVES_OF_TIME = 2.0
 
 
 def gains_of_others(
-    fit: HypothesisFit, times_s: Array, ranges: RangeRows, time_s: Array, rows: Mask
+    fit: HypothesisFit, times_s: Array, ranges: RangeRows, time_s: Array, rows: Mask, *, is_bench: bool
 ) -> Iterator[float]:
     """Yield the falls of the cost of white noise by errors that look alike where a log is not varied enough.
 
@@ -40,6 +40,10 @@ def gains_of_others(
     time. Their white noise may have any size, as that to which each is compared has, while that beside the drift is at
     most twice the stated one. So a rival is never less likely than with the same limit: what a large noise explains as
     well is not named a drift.
+
+    In a time series, the poses that successive rows share correlate their noise. Any function of what changes slowly
+    follows it, but not means over neighbours in time, in which it is noise. So each rival explains the same means as
+    the drift.
     """
     for covariate in ranges.covariates:
         known = rows & np.isfinite(covariate.values)
@@ -48,7 +52,7 @@ def gains_of_others(
         by_size = fit if covariate.size is None else _in_units_of(fit, ranges, np.where(known, covariate.size, 1.0))
         for at, lengths in coordinates(covariate):
             for along in (ranges.of_sensor(at), at) if ranges.sensors > 1 else (at,):
-                series = RangeSeries.of(by_size, ranges, along, known)
+                series = RangeSeries.of(by_size, ranges, along, known, None if is_bench else time_s)
                 yield _gain(series, likelihoods(series.at, series.residual_m, series.sd_m, lengths, RATIOS))
         if covariate.name == DISTANCE:
             share = np.where(known, covariate.values, 1.0)

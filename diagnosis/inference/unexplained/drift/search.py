@@ -23,6 +23,7 @@ from diagnosis.inference.unexplained.drift.gauss_markov import (
     LinearEstimate,
     estimate,
     likelihoods,
+    predictable,
 )
 from diagnosis.inference.unexplained.drift.jump import best_jump
 from diagnosis.inference.unexplained.drift.range_series import RangeRows, RangeSeries, range_rows
@@ -177,6 +178,21 @@ class DriftSearch:
         by_fit = float(fit.noise.levels[np.unique(self.evidence.quantity[self.ranges.place])].min())
         return (1.0 / LEVELS[1] / by_fit) ** 2, (LEVELS[1] / by_fit) ** 2
 
+    def with_drifted_rows(self, seen: DriftFit) -> "DriftSearch":
+        """Return the search with those rows of a series, too, that are no outliers of a drift which other rows show.
+
+        Where the noise of the readings is small, as near a wall, a drift takes them many standard deviations away.
+        """
+        if self.is_bench:
+            return self
+        place, fit = self.ranges.place, seen.fit
+        candidates = np.flatnonzero(self.evidence.fit[place] & np.isfinite(self.time_s))
+        inside = candidates[np.argsort(self.time_s[candidates], kind="stable")]
+        residual_m, sd_m = (fit.z * fit.sd)[place][inside], fit.sd[place][inside]
+        rows = self.rows.copy()
+        rows[inside] |= predictable(self.time_s[inside], residual_m, sd_m, seen.error, OUTLIER)
+        return replace(self, rows=rows)
+
     def without_outliers(self, seen: DriftFit) -> "DriftSearch":
         """Return the search in the rows of a bench that are no outliers beside a drift, which other rows show.
 
@@ -239,7 +255,8 @@ class DriftSearch:
                 yield cost + 2.0 * PARAMETER_PENALTY
         # These have as many numbers as the drift, so that they only need to be less likely.
         white = self.cost_of_white_noise(seen.fit)
-        for gain in gains_of_others(seen.fit, self.times_s, self.ranges, self.time_s, self.rows):
+        tried = seen.fit, self.times_s, self.ranges, self.time_s, self.rows
+        for gain in gains_of_others(*tried, is_bench=self.is_bench):
             yield white - gain + PARAMETER_PENALTY
 
     def _rise_with_jump(self, seen: DriftFit, fit: HypothesisFit) -> float:

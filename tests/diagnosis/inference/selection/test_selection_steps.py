@@ -132,6 +132,20 @@ def test_any_size_counts_in_rows_that_are_states(evidence_of, fitted, effect):
 
 
 @pytest.mark.parametrize(
+    ("name", "size"),
+    [("battery_decline", 0.01 / 60.0), ("pose_clock_drift", 10e-6)],
+    ids=["a battery that loses 1 % in an hour", "a quartz that is off by 10 ppm"],
+)
+def test_any_size_counts_of_an_effect_that_grows_with_time(evidence_of, fitted, effect, name, size):
+    """The steps of an integration make the same error at the beginning and at the end of a session."""
+    fit, drifting = fitted(evidence_of(X, X), "current_sensor_offset"), effect(name)
+    (c,) = drifting.coordinates
+    hypothesis = fit.hypothesis.without(effect("current_sensor_offset")).with_effect(drifting)
+    of_drive = replace(fit, hypothesis=hypothesis, x=np.array([0.3, c.coordinate(size)]))
+    assert not is_negligible(of_drive, drifting)
+
+
+@pytest.mark.parametrize(
     ("drops", "count"),
     [
         ([100.0, 80.0, 72.0, 71.0, 70.5, 70.0, 69.9, 5.0], 6),

@@ -243,7 +243,7 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(diagnosed, mo
     search = module.DriftSearch.of(diagnosis.measured, fit)
 
     def beside(rise):
-        def gains(other, *_):
+        def gains(other, *_, **__):
             yield search.cost_of_white_noise(other) - search.beside(other).cost - rise
 
         monkeypatch.setattr(module, "gains_of_others", gains)
