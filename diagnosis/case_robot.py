@@ -9,7 +9,7 @@ from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
 from diagnosis.measured.case_files.nominal import NominalLog
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import Nuisance, command_timing, nuisances
+from diagnosis.nuisances import Nuisance, command_timing, creep_on_the_spot, nuisances
 from diagnosis.together import joint_robot
 from diagnosis.usual_tolerances import usual, usual_of_log
 from logs.drive import COUNTED
@@ -33,7 +33,8 @@ def spreads_of(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, 
     """Return the nuisances that the measurement states, or else the usual ones."""
     if (case := measurement.nominal) is not None:
         return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
-    return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
+    of_drive = (command_timing(), creep_on_the_spot()) if measurement.kind is CaseKind.DRIVE_LOG else ()
+    return (*usual(robot), *of_drive)
 
 
 def checked_against(measurement: Measurement, robot: RobotConfig) -> Measurement:

@@ -23,6 +23,7 @@ from diagnosis.measured.case_files.nominal import (
     Spread,
 )
 from physics.effects.driver_and_battery.input_delay import InputDelay
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from sensors.effects.range_sensor.range_offset import RangeOffset
 from sensors.effects.range_sensor.range_scale import RangeScale
@@ -90,6 +91,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
             yield _range_offset(nominal.tof.range_offset_m)
         if nominal.motor is not None:
             yield command_timing()
+        yield creep_on_the_spot()
 
 
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
@@ -119,6 +121,25 @@ def command_timing() -> Nuisance:
         return robot.with_effect(InputDelay.model_construct(delay_s=present.delay_s + np.maximum(value, 0.0)))
 
     return Nuisance("command_timing_s", 0.0, TIMING_S, "s", applied)
+
+
+CREEP_ON_THE_SPOT = 0.5
+"""Tolerance of the creep in a turn on the spot, relative to that on a straight line: from 1, if tyres creep as they
+roll, to 0, if they creep by the way of the robot. No source says which of them a floor does."""
+
+
+def creep_on_the_spot() -> Nuisance:
+    """Return the nuisance for the creep of a sloping floor under a robot that turns on the spot."""
+
+    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.effects.get(FloorSlope)
+        if present is None:
+            return robot
+        slope, way, share = present.gradient, present.direction_rad, present.on_the_spot * value
+        return robot.with_effect(FloorSlope.model_construct(gradient=slope, direction_rad=way, on_the_spot=share))
+
+    name, lowest = "creep_on_the_spot", -1.0 / CREEP_ON_THE_SPOT
+    return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", applied, bounds=(lowest, 0.0))
 
 
 UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}

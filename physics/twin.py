@@ -194,9 +194,14 @@ class KinematicTwin:
         middle_rad = pose[:, 2] + 0.5 * turn_rad
         moved_m = forward_m[:, None] * np.stack([np.cos(middle_rad), np.sin(middle_rad)], axis=-1)
         if self._creep:
-            size_m = np.abs(turned_rad) @ self._body.to_twist[0]
-            moved_m = moved_m + applied(self._creep, np.zeros(moved_m.shape), size_m[..., None])
+            moved_m = moved_m + self._crept(turned_rad)
         return pose + np.concatenate([moved_m, turn_rad[:, None]], axis=-1)
+
+    def _crept(self, turned_rad: Array) -> Array:
+        """Return how far the body creeps over the floor, x, y [m] in W (..., 2), by the travels of round wheels."""
+        rolled_m, middle_m = (size @ self._body.to_twist[0] for size in (np.abs(turned_rad), turned_rad))
+        still = np.zeros((*rolled_m.shape, 2))
+        return applied(self._creep, still, rolled_m[..., None], np.abs(middle_m)[..., None])
 
     def _over_floor(self, turned_rad: Array, angle_rad: Array, place: FloorPlace) -> Array:
         """Return the turns (..., 2) of round wheels that travel as far over the floor as those of the robot.
@@ -243,8 +248,7 @@ class KinematicTwin:
         x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)
         y_m = starts[:, 1] + np.cumsum(chord_m * np.sin(direction), axis=0)
         if self._creep:
-            size_m = np.abs(turned_rad) @ self._body.to_twist[0]
-            crept_m = np.cumsum(applied(self._creep, np.zeros((*size_m.shape, 2)), size_m[..., None]), axis=0)
+            crept_m = np.cumsum(self._crept(turned_rad), axis=0)
             x_m, y_m = x_m + crept_m[..., 0], y_m + crept_m[..., 1]
         return np.stack([x_m, y_m, yaw_rad], axis=-1)
 

@@ -69,8 +69,8 @@ class Slot(TextEnum):
     """random share of the travels of both wheels (2,), travel [m] since the wheels had it (2,), standard normal
     deviates (2,) -> share."""
     CREEP = "creep"
-    """movement over the floor besides rolling, x, y [m] in W (..., 2), mean size of the wheels' travels [m] (..., 1) ->
-    movement."""
+    """movement over the floor besides rolling, x, y [m] in W (..., 2), mean size of the wheels' travels [m] (..., 1),
+    size of the mean travel [m] (..., 1) -> movement."""
     GROUND = "ground"
     """remaining share of the yaw rate, speed [m/s], yaw rate [rad/s], both computed from the wheels -> share."""
     TURNING = "turning"

@@ -148,8 +148,8 @@ class WheelsWithEffects:
         more_rad_s = float(yaw_rate - (round_right_m_s - round_left_m_s) / self._geometry.track_m)
         self._ahead_m_s = float(0.5 * (right_m_s - round_right_m_s + left_m_s - round_left_m_s))
         self._turning_rad_s = self.yaw_share * more_rad_s
-        size_m_s = np.array([0.5 * (abs(right_m_s) + abs(left_m_s))])
-        self._creep_m_s = applied(self._creep, np.zeros(2), size_m_s)
+        sizes_m_s = (0.5 * (abs(right_m_s) + abs(left_m_s)), 0.5 * abs(right_m_s + left_m_s))
+        self._creep_m_s = applied(self._creep, np.zeros(2), *(np.array([size]) for size in sizes_m_s))
         turn = (more_rad_s - (1.0 - self.yaw_share) * float(yaw_rate)) * self._period_s
         if turn != 0.0:
             _turn_about_axle(client, body, to_axle, turn)

@@ -173,6 +173,8 @@ class Probe:
             "heading_error_rad": applied(
                 model.functions(Slot.POSE_HEADING), np.zeros_like(yaw_rad), yaw_rad, time_s[:, 0]
             ),
+            # Straight ahead and on the spot.
+            "creep_m": applied(model.functions(Slot.CREEP), np.zeros((2, 2)), np.ones((2, 1)), np.eye(2)[:, :1]),
         }
 
     def _sensed(self, robot: RobotConfig, world: SteppedWorld) -> dict[str, Array]:

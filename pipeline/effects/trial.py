@@ -16,8 +16,8 @@ from pipeline.effects.probe import Probe, Readings
 
 ANY_NAME: Mapping[str, tuple[str, ...]] = MappingProxyType({"material": ("white_board",)})
 """Values of parameters that take any name."""
-OF_PLACES = frozenset({Slot.FRICTION, Slot.TRAVEL, Slot.TURNING, Slot.POSE_HEADING})
-"""Slots whose effects may act at places, or times, that no short drive reaches."""
+OF_PLACES = frozenset({Slot.FRICTION, Slot.TRAVEL, Slot.TURNING, Slot.POSE_HEADING, Slot.CREEP})
+"""Slots whose effects may act at places, at times, or in ways of moving that no short drive reaches."""
 KEPT_CALLS = 24
 """Calls that the rules repeat; they are spread over all that were recorded."""
 

@@ -67,7 +67,7 @@ CANONICAL = {
     "encoder_missed_ticks": "side, fraction, threshold_rad_s",
     "wheel_eccentricity": "side, amplitude, phase_rad",
     "random_slip": "slip_m_sqrt_m, length_m",
-    "floor_slope": "gradient, direction_rad",
+    "floor_slope": "gradient, direction_rad, on_the_spot",
     "turn_slip": "coefficient_s2_m",
     "line_lateral_offset": "offset_m",
     "line_height": "height_scale",

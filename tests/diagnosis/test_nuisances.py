@@ -9,12 +9,14 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.measured.case_files.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import nuisances
+from diagnosis.nuisances import creep_on_the_spot, nuisances
 from diagnosis.usual_tolerances import usual_wheels
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from sensors.effects.range_sensor.range_offset import RangeOffset
 from sensors.effects.range_sensor.range_scale import RangeScale
 
+OF_NO_SOURCE = {"command_timing_s", "creep_on_the_spot"}
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
 NAMES = {
     "motor_steady_001": MOTOR,
@@ -22,7 +24,7 @@ NAMES = {
     "tof_bench_001": {"range_offset_m", "range_scale"},
     "drive_log_001": MOTOR
     | {"rotor_inertia_kg_m2", "wheel_radius_m", "wheel_separation_m", "range_offset_m"}
-    | {"command_timing_s"},
+    | OF_NO_SOURCE,
 }
 
 
@@ -46,7 +48,7 @@ def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_valu
     path = EXAMPLES / case / "nominal.yaml"
     nominal = read_nominal(path)
     all_nuisances = nuisances(nominal)
-    by_case = [of for of in all_nuisances if of.name != "command_timing_s"]
+    by_case = [of for of in all_nuisances if of.name not in OF_NO_SOURCE]
     assert {of.name: (of.value, of.tolerance) for of in by_case} == dict(spreads(yaml.safe_load(path.read_text())))
     assert {of.name for of in all_nuisances} == NAMES[case]
     robot = nominal_robot(nominal, base_robot)
@@ -64,6 +66,16 @@ def test_they_change_motor_and_geometry_of_the_robot(base_robot):
     assert by_name["wheel_separation_m"].applied(robot, 0.2).drive.track_m == 0.2
     many = by_name["wheel_separation_m"].applied(robot, np.array([0.2, 0.3]))
     assert many.drive.track_m.tolist() == [0.2, 0.3]
+
+
+def test_how_a_robot_creeps_on_the_spot_is_a_number_of_a_sloping_floor_alone(base_robot):
+    """Between a creep by the way of the middle of the axle, and one by the rolling of the wheels."""
+    spot = creep_on_the_spot()
+    assert spot.applied(base_robot, 0.5) == base_robot
+    sloping = base_robot.with_effect(FloorSlope(gradient=0.1, direction_rad=2.0, on_the_spot=0.8))
+    assert spot.applied(sloping, spot.value) == sloping
+    assert spot.applied(sloping, 0.5).effects.get(FloorSlope).on_the_spot == 0.4
+    assert [spot.value + spot.tolerance * bound for bound in spot.bounds] == [0.0, 1.0]
 
 
 def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(base_robot):

@@ -298,18 +298,24 @@ class TestDriving:
         # 36 changes: a standard error of 12 %.
         assert np.sqrt(np.mean(changes**2)) == pytest.approx(0.01 * math.sqrt(0.2) / track_m, rel=0.35)
 
-    @pytest.mark.parametrize("voltages", [(2.0, 2.0), (2.0, -2.0)])
-    def test_on_a_slope_a_robot_creeps_downhill_whatever_its_heading(self, simulate_with, robot, voltages):
-        level, sloping = (simulate_with(*several) for several in ((), (FloorSlope(gradient=0.05, direction_rad=2.0),)))
+    @pytest.mark.parametrize(
+        ("voltages", "on_the_spot", "share"),
+        [((2.0, 2.0), 1.0, 1.0), ((2.0, -2.0), 1.0, 1.0), ((2.0, 2.0), 0.3, 1.0), ((2.0, -2.0), 0.3, 0.3)],
+    )
+    def test_on_a_slope_a_robot_creeps_downhill_whatever_its_heading(
+        self, simulate_with, robot, voltages, on_the_spot, share
+    ):
+        slope = FloorSlope(gradient=0.05, direction_rad=2.0, on_the_spot=on_the_spot)
+        level, sloping = (simulate_with(*several) for several in ((), (slope,)))
         for simulation in (level, sloping):
             simulation.set_voltages(*voltages)
             simulation.advance(1500)
         travel_m = 0.5 * robot.drive.wheel_diameter_m * np.abs(travelled(sloping)).mean()
         crept = np.array(sloping.pose()) - level.pose()
-        expected = 0.05 * travel_m * np.array([math.cos(2.0), math.sin(2.0), 0.0])
+        expected = 0.05 * share * travel_m * np.array([math.cos(2.0), math.sin(2.0), 0.0])
         np.testing.assert_allclose(crept, expected, atol=1e-3)
         speed_m_s, _ = level.twist()
-        creep_m_s = 0.05 * 0.5 * robot.drive.wheel_diameter_m * np.abs(sloping.wheel_speeds()).mean()
+        creep_m_s = 0.05 * share * 0.5 * robot.drive.wheel_diameter_m * np.abs(sloping.wheel_speeds()).mean()
         along = creep_m_s * math.cos(2.0 - sloping.pose()[2])
         assert sloping.twist()[0] - speed_m_s == pytest.approx(along, abs=2e-3)
 

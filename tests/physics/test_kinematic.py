@@ -68,7 +68,7 @@ WORN = (
     TurnSlip(coefficient_s2_m=0.5),
     EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=4.0),
     WheelEccentricity(side="left", amplitude=0.05, phase_rad=1.0),
-    FloorSlope(gradient=0.03, direction_rad=2.0),
+    FloorSlope(gradient=0.03, direction_rad=2.0, on_the_spot=0.5),
 )
 
 

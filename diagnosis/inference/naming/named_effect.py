@@ -1,6 +1,7 @@
 """An effect that the real robot has, as an answer states it."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
@@ -23,6 +24,8 @@ class NamedEffect:
     """Range of each covariate over the rows in which the effect was seen."""
     file_numbers: tuple[FileNumber, ...] = ()
     """Numbers that the file of the effect states, such as that of a law; empty for other effects."""
+    known: Mapping[str, float] = field(default_factory=dict)
+    """Numbers of the effect that are not fitted with it, as the fitted robot has them."""
 
     @classmethod
     def of(
@@ -32,7 +35,8 @@ class NamedEffect:
         effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
         ranges = seen_ranges(evidence, nominal, fit, effect)
         std = standard_errors(evidence, fit, effect)
-        return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std))
+        known = {name: getattr(fit.robot.effects.get(effect.kind), name) for name in effect.known}
+        return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std), known)
 
     @property
     def name(self) -> str:
@@ -46,4 +50,4 @@ class NamedEffect:
     @property
     def parameters(self) -> dict[str, str | float]:
         """Choices and numbers of the effect."""
-        return {**dict(self.effect.choices), **self.values, **self.effect.known}
+        return {**dict(self.effect.choices), **self.values, **self.effect.known, **self.known}

@@ -255,8 +255,8 @@ class Pose:
         """
         geometry = model.geometry
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
-        travel_m = 0.5 * (np.abs(right_m) + np.abs(left_m))
-        crept_m = applied(model.functions(Slot.CREEP), np.zeros((*travel_m.shape[:-1], 2)), travel_m)
+        rolled_m, middle_m = 0.5 * (np.abs(right_m) + np.abs(left_m)), 0.5 * np.abs(right_m + left_m)
+        crept_m = applied(model.functions(Slot.CREEP), np.zeros((*rolled_m.shape[:-1], 2)), rolled_m, middle_m)
         askew_rad = self._askew_rad(model)
         if starts is None:
             frame_rad = self._heading_rad - askew_rad - yaw_rad

@@ -20,11 +20,15 @@ class FloorSlope(Effect):
         Parameter("1", null=0.0, start=0.02, low=0.0, high=0.5),
         Plausible(0.0, 0.2, "tyres that creep by a fifth of their travel slide"),
     ]
-    """Creep over the floor per travel of the wheels, the mean of both without their signs."""
+    """Creep over the floor per travel of the robot."""
     direction_rad: Angle
     """Direction of the creep in W, counter-clockwise from +x."""
+    on_the_spot: Annotated[float, Parameter("1", null=None, start=1.0, low=0.0, high=2.0, is_known=True)] = 1.0
+    """Creep in a turn on the spot, relative to that on a straight line with as much rolling of the wheels. Tyres creep
+    as they roll, so that it is 1; it is 0 for a creep by the way of the middle of the axle alone."""
 
-    def apply(self, creep_m: Array, travel_m: Array) -> Array:
+    def apply(self, creep_m: Array, rolled_m: Array, middle_m: Array) -> Array:
         """Return the creep x, y [m] in W, (..., 2)."""
         ways = [np.atleast_1d(way(self.direction_rad)) for way in (np.cos, np.sin)]
+        travel_m = middle_m + self.on_the_spot * (rolled_m - middle_m)
         return creep_m + self.gradient * travel_m * np.concatenate(ways, axis=-1)

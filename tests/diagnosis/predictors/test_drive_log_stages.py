@@ -370,6 +370,16 @@ class TestPose:
             np.testing.assert_allclose(predicted, np.tile(expected, 2), atol=5e-5)
         np.testing.assert_allclose(stage.path(sloping, np.tile(log[:1], (2, 1))), np.tile(log, (2, 1)), atol=2e-4)
 
+    @pytest.mark.parametrize("on_the_spot", [0.0, 0.4, 1.0])
+    def test_on_a_slope_a_robot_that_turns_on_the_spot_creeps_by_a_share_of_its_rolling(self, robot, on_the_spot):
+        """Its wheels turn by 5 rad/s in opposite directions, so that the middle of the axle would stay where it is."""
+        columns = {**ticks_of(-5.0 * self.T, 5.0 * self.T), **pose_columns(self.circle())}
+        stage = stages(robot, trial("1", **columns))["pose"]
+        slope = FloorSlope(gradient=0.02, direction_rad=2.5, on_the_spot=on_the_spot)
+        path = stage.path(robot.with_effect(slope), np.zeros((1, 3)))
+        crept_m = 0.02 * on_the_spot * RADIUS * 5.0 * self.T[:, None] * np.array([math.cos(2.5), math.sin(2.5)])
+        np.testing.assert_allclose(path[:, :2], crept_m, atol=2e-5)
+
     def test_on_a_slope_a_late_pose_has_the_creep_of_the_heading_at_its_time(self, robot):
         """The logged poses are 0.2 s old, in which the robot turns by 0.075 rad."""
         late_s = 0.2
