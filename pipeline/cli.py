@@ -7,6 +7,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from time import monotonic
@@ -14,6 +15,8 @@ from types import FrameType
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
+from typer.main import get_group
 
 from pipeline.address_space import check_address_space
 from pipeline.commands.datasets import inspection, maintenance, sharing, visualisation
@@ -88,8 +91,12 @@ CONTINUED = (
 """Commands that keep what was finished before an interrupt; the others begin again."""
 
 
-def command_line() -> typer.Typer:
-    """Return all commands, grouped as `--help` lists them."""
+@cache
+def command_line() -> TyperGroup:
+    """Return all commands, grouped as `--help` lists them.
+
+    A program that calls `main` several times builds them once, because that takes longer than a short command.
+    """
     app = typer.Typer(
         name="symolo",
         help="Make a photorealistic dataset of a small mobile robot from a YAML scenario, check it, and explain how a "
@@ -116,7 +123,7 @@ def command_line() -> typer.Typer:
         for command in group.COMMANDS:
             commands.command(command.__name__.strip("_").replace("_", "-"), help=_joined(command))(command)
         app.add_typer(commands, name=name, help=group.HELP, rich_help_panel=panel)
-    return app
+    return get_group(app)
 
 
 def _joined(command: Callable[..., int | None]) -> str:

@@ -5,7 +5,6 @@ from enum import Enum
 from typing import Any
 
 from markdown_text import page, table, text
-from typer.main import get_command
 
 from pipeline.cli import command_line
 
@@ -14,9 +13,7 @@ is an overview with examples and exit codes."""
 
 
 def commands() -> str:
-    return page(
-        "Commands", ABOUT, (part for name, one in _all(get_command(command_line())) for part in _section(name, one))
-    )
+    return page("Commands", ABOUT, (part for name, one in _all(command_line()) for part in _section(name, one)))
 
 
 def _all(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:

@@ -11,7 +11,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from typer.main import get_command
 
 from configs.effects.registry import EFFECTS
 from configs.loader import load_scenario, load_section
@@ -108,7 +107,7 @@ def test_its_commands_parse(page, tmp_path, monkeypatch):
     """And the scenarios, looks and settings that they name are there."""
     monkeypatch.chdir(tmp_path)
     _save_files_of(page, tmp_path)
-    group, made = get_command(command_line()), set()
+    group, made = command_line(), set()
     for command in _commands(page):
         name, *arguments = shlex.split(command)
         if name.startswith("--"):

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from typer.main import get_command
 
 from benchmarks.fuzz import NAMES
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
@@ -46,7 +45,7 @@ def test_readme_has_commands_to_check():
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_of_the_readme_is_one(command):
     """It parses, and the scenario, the look and the settings that it names are there."""
-    group = get_command(command_line())
+    group = command_line()
     name, *arguments = shlex.split(command)
     if name == "--version":
         return
@@ -70,7 +69,7 @@ def test_the_scenario_of_the_page_on_scenarios_is_one(tmp_path):
 
 
 def test_every_command_is_on_the_page_of_commands():
-    listed = set(get_command(command_line()).commands)
+    listed = set(command_line().commands)
     assert listed == {name for name in listed if re.search(rf"`{name}\b", COMMANDS_PAGE)}
 
 

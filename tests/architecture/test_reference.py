@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from typer.main import get_command
 
 from blender_scenes.materials import FLOORS, SURFACES
 from configs.loader import load_section
@@ -36,7 +35,7 @@ def test_every_page_is_what_the_code_says(drifted):
 
 
 def test_every_command_has_a_section():
-    for name, command in get_command(command_line()).commands.items():
+    for name, command in command_line().commands.items():
         inner = [f"{name} {one}" for one in command.commands] if hasattr(command, "commands") else [name]
         for one in inner:
             assert f"\n## {one}\n" in _page("commands.md")

@@ -15,7 +15,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from typer.main import get_command
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
@@ -500,7 +499,7 @@ def test_help_of_every_command_gives_an_example(symolo):
 
 
 def test_a_paragraph_of_the_help_has_no_line_breaks_of_the_source():
-    groups: list[Any] = [get_command(command_line())]
+    groups: list[Any] = [command_line()]
     for group in groups:
         for command in group.commands.values():
             groups += [command] if hasattr(command, "commands") else []
