@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,11 +20,12 @@ from blender_scenes.render.job_file import job_sha256
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
 from pipeline.stages.simulate import DriveOutcome, simulate
-from pipeline.work.supervisor import UnitFailure, cores
+from pipeline.work.supervisor import UnitFailure, WorkerError, cores
 from pipeline.work.units import AnyUnit, RenderUnit
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
-from symolo.core.child_process import Finished
+from symolo.core.child_process import Failed, Finished
+from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 
@@ -111,8 +113,8 @@ def sensing_release(tmp_path_factory: pytest.TempPathFactory, request: pytest.Fi
         "render.height_px=24",
         *(f"robot.sensors.{name}={value}" for name, value in SENSORS.items()),
     ]
-    with pytest.MonkeyPatch.context() as patch:
-        _in_this_process(patch).paint = _paint_noise
+    with _in_this_process() as chosen:
+        chosen.paint = _paint_noise
         return _shared_release("sensing", [f"--set={setting}" for setting in settings], tmp_path_factory, request)
 
 
@@ -183,35 +185,56 @@ def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
         ledger.add(FrameFile(number, name, digest, len(data), 0.0, cpu=cpu))
 
 
-def _in_this_process(patch: pytest.MonkeyPatch) -> SimpleNamespace:
+ERRORS = {"environment": EnvironmentLacking, "input": InputError, "bug": WorkerError}
+"""What ends a command, by the kind of failure that a worker reports."""
+
+
+@contextmanager
+def _in_this_process() -> Iterator[SimpleNamespace]:
     """Have units of work done one by one in this process, the images by `paint`, which a test may replace."""
     chosen = SimpleNamespace(paint=_paint)
 
-    def run_units(units: Sequence[AnyUnit], workers: int, on_event: Callable, **_options: object) -> list[UnitFailure]:
-        del workers
+    def run_units(
+        units: Sequence[AnyUnit], _workers: int, on_event: Callable, *_: object, **__: object
+    ) -> list[UnitFailure]:
+        failures = []
         for unit in units:
-            if isinstance(unit, RenderUnit):
+            if isinstance(unit, RenderUnit) and unit.work == "images":
                 chosen.paint(unit)
-                on_event(unit, Finished())
+                event = Finished()
             else:
-                on_event(unit, do(unit, lambda *_, **__: None))
-        return []
+                event = do(unit, lambda *_, **__: None)
+            on_event(unit, event)
+            if isinstance(event, Failed):
+                if event.error in ERRORS:
+                    raise ERRORS[event.error](event.text)
+                failures.append(UnitFailure(unit, event.text))
+        return failures
 
-    patch.setattr("pipeline.executors.local.run_units", run_units)
-    return chosen
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("pipeline.executors.local", "pipeline.diagnosing.diagnose"):
+            patch.setattr(f"{module}.run_units", run_units)
+        yield chosen
 
 
 @pytest.fixture
-def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def hands() -> Iterator[SimpleNamespace]:
     """Units of work are done one by one in this process, the images by `paint`, which a test may replace."""
-    return _in_this_process(monkeypatch)
+    with _in_this_process() as chosen:
+        yield chosen
 
 
 @pytest.fixture(scope="module")
 def hands_of_module() -> Iterator[SimpleNamespace]:
     """As `hands`, for fixtures of a module, and for all of its tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        yield _in_this_process(patch)
+    with _in_this_process() as chosen:
+        yield chosen
+
+
+@pytest.fixture(scope="session")
+def in_this_process() -> Callable[[], AbstractContextManager[SimpleNamespace]]:
+    """As `hands`, within a `with` statement alone."""
+    return _in_this_process
 
 
 @pytest.fixture(scope="session")

@@ -82,18 +82,19 @@ def toy(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def released(tmp_path_factory, tiny):
-    """A release by the command with its option, whose workers are processes of their own; the file is unloaded then."""
+def released(tmp_path_factory, tiny, in_this_process):
+    """A release by the command with its option, simulated by a process of its own; the file is unloaded then."""
     from pipeline.cli import main  # noqa: PLC0415
 
     folder = tmp_path_factory.mktemp("own")
     path, out = written(folder), folder / "data"
-    settings = [*tiny, ONE_ROUTE, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
+    arguments = ["smoke", "--out", str(out), *tiny, ONE_ROUTE, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
     try:
-        code = main(["--sensor-file", str(path), "release", "smoke", "--out", str(out), *settings, "--workers", "1"])
+        assert main(["--sensor-file", str(path), "simulate", *arguments]) == 0
+        with in_this_process():
+            assert main(["--sensor-file", str(path), "release", *arguments]) == 0
     finally:
         SENSORS.unload(path)
-    assert code == 0
     return out
 
 

@@ -245,6 +245,7 @@ def test_a_strangers_file_is_refused_in_one_line_and_has_no_effect(case, symolo,
     assert tree(here) == before
 
 
+@pytest.mark.usefixtures("hands")
 def test_html_in_names_is_text_on_the_page(symolo, here):
     evil = "<img src=x onerror=alert(1)>&amp;"
     (here / "good").rename(here / evil)

@@ -35,7 +35,7 @@ def bytes_of(folder):
     }
 
 
-def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, benches, tmp_path):
+def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, benches, tmp_path, in_this_process):
     many, one = tmp_path / "many", tmp_path / "one"
     names = ("weak", "broken")
     ended = symolo("diagnose", *(benches / name for name in names), "--out", many, "--workers", 2)
@@ -52,7 +52,8 @@ def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, b
     (one / ".stages").mkdir(parents=True)
     (one / "answer.json").write_text('{"discovery": {"law": "range_old", "file": "range_old.py"}}')
     (one / "range_old.py").write_text("# a law")
-    alone = symolo("diagnose", benches / "weak", "--out", one, "--explain")
+    with in_this_process():
+        alone = symolo("diagnose", benches / "weak", "--out", one, "--explain")
     assert alone.code == 0
     assert bytes_of(one) == bytes_of(many / "weak")
     files = bytes_of(one)
@@ -61,6 +62,7 @@ def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, b
     assert files["reasoning.txt"].decode() in alone.out
 
 
+@pytest.mark.usefixtures("hands")
 def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo, benches, tmp_path, tiny):
     out = tmp_path / "weak"
     ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--json", "--nominal", "nominal")
@@ -71,6 +73,7 @@ def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo
     assert driven.code == 0, driven.err
 
 
+@pytest.mark.usefixtures("hands")
 def test_cases_of_one_robot_have_one_answer_with_a_gain_for_each(symolo, benches, tmp_path):
     shutil.copytree(benches / "weak", tmp_path / "again")
     out = tmp_path / "both"

@@ -123,6 +123,7 @@ def test_the_dataset_is_exported_reported_inspected_and_compared(imported, tmp_p
     assert (ended.code, "imported trajectory; imports are not supported here" in ended.err) == (2, True)
 
 
+@pytest.mark.usefixtures("hands")
 def test_poses_alone_say_nothing_about_a_simulation(tmp_path, symolo):
     log = tmp_path / "run.csv"
     log.write_text(table("t_s,x_m,y_m,theta_rad", T_S, *PLACE.T, YAW))
@@ -407,11 +408,12 @@ def test_a_wrong_argument_is_one_clear_line(arguments, message, tmp_path, monkey
     assert not (tmp_path / "data").exists()
 
 
+@pytest.mark.usefixtures("hands")
 def test_images_are_rendered_for_an_imported_run(imported, tmp_path, symolo):
     _, root = imported
     out = tmp_path / "lab"
     small = ("--set", "render.width_px=32", "--set", "render.height_px=24", "--set", "render.samples=1")
-    command = ("rerender", root / "imported/test_1", "--look", "lab", "--camera-hz", 1, "--out", out, "--workers", 1)
+    command = ("rerender", root / "imported/test_1", "--look", "lab", "--camera-hz", 1, "--out", out)
     assert symolo(*command, *small).code == 0
     images = sorted(out.rglob("*.jpg"))
     assert len([path for path in images if ".stages" not in path.parts]) == 5

@@ -167,7 +167,7 @@ def test_cycles_previews_what_the_flat_one_does_and_leaves_nothing_behind(tmp_pa
     sheets = []
     for engine in ("cycles", "flat"):
         out = tmp_path / f"{engine}.png"
-        small = ("-n", 2, "--width-px", 48, "--set", "render.samples=1", "--workers", 2)
+        small = ("-n", 2, "--width-px", 48, "--set", "render.samples=1", "--workers", 1)
         assert symolo("preview", "smoke", "--engine", engine, *small, "--out", out).code == 0
         sheets.append(cv2.imread(str(out), cv2.IMREAD_GRAYSCALE)[:36].astype(float))
     traced, flat = sheets

@@ -125,6 +125,7 @@ def test_a_part_of_the_runs_is_chosen_by_a_pattern(dataset, prepared):
     assert one.spec.key == OTHER
 
 
+@pytest.mark.usefixtures("hands")
 def test_a_run_that_is_simulated_only_is_rendered(dataset, tmp_path, symolo):
     out = tmp_path / "other"
     arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", "--look", "lab", *SMALL, *ALONE)
@@ -153,6 +154,7 @@ def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(datas
     assert any("the readings are those of the arena symolo" in text for text in run.outcome.suspicions)
 
 
+@pytest.mark.usefixtures("hands")
 def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo):
     """No image is numbered in it, times jitter, digits are others; the last row is beyond the third period."""
     header, *rows = (dataset / OTHER / "data.csv").read_text().splitlines()

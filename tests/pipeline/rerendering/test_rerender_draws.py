@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import pytest
 
+from blender_scenes.render.job_file import job_path, job_sha256
 from configs.schema.splits import Splits
 from pipeline.importing.imported_runs import ImportRequest
 from pipeline.rerendering.rerender import RerenderRequest, draw_seed, prepare
@@ -20,7 +21,9 @@ def run(dataset):
     return dataset / "CW/test_1"
 
 
-def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(run, tmp_path, symolo):
+@pytest.mark.usefixtures("hands")
+def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(dataset, run, tmp_path, symolo):
+    """The job for Blender is that of the run, whose images are thus the same bytes (`test_rerender.py`)."""
     out = tmp_path / "looks"
     arguments = ("rerender", run, "--looks", "classroom", "--draws", 2, "--out", out, "--workers", 1)
     ended = symolo(*arguments)
@@ -28,9 +31,9 @@ def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(run, tmp_path,
     assert f"rerender: 2 of 2 runs, in {out}" in ended.out
     assert symolo("verify", out).code == 0
     first, second = out / "CW-classroom_1/test_1", out / "CW-classroom_2/test_1"
-    for image in sorted((run / "images").iterdir()):
-        assert (first / "images" / image.name).read_bytes() == image.read_bytes()
-        assert (second / "images" / image.name).read_bytes() != image.read_bytes()
+    jobs = [job_path(folder) for folder in (dataset / ".stages/render/CW/test_1", *_rendered(out))]
+    own_job, first_job, second_job = map(job_sha256, jobs)
+    assert first_job == own_job != second_job
     own, *specs = (json.loads((folder / "side/spec.json").read_text()) for folder in (run, first, second))
     drawn = [{key: value for key, value in spec["drawn"].items() if key.startswith("look.")} for spec in (own, *specs)]
     assert (specs[0]["seed"], drawn[1]) == (own["seed"], drawn[0])
@@ -40,6 +43,10 @@ def test_the_first_draw_is_the_runs_own_and_each_draw_has_a_route(run, tmp_path,
     records = json.loads((out / "metadata.json").read_text())["runs"]
     assert [record["origin"]["release"]["run"] for record in records] == ["CW/test_1", "CW/test_1"]
     _continues_and_is_looked_at(out, arguments, symolo, tmp_path / "sheet.png")
+
+
+def _rendered(out):
+    return [out / f".stages/render/CW-classroom_{draw}/test_1" for draw in (1, 2)]
 
 
 def _continues_and_is_looked_at(out, arguments, symolo, sheet):

@@ -21,10 +21,11 @@ TABLE = "CW/test_1/side/obstacles.csv"
 
 
 @pytest.fixture(scope="module")
-def moving(tmp_path_factory, tiny):
-    """A second of one run, made by one worker; read only."""
+def moving(tmp_path_factory, tiny, in_this_process):
+    """A second of one run, its images painted; read only."""
     out = tmp_path_factory.mktemp("moving") / "data"
-    assert main(["release", "moving", "--out", str(out), *tiny, *SHORT, "--workers", "1"]) == 0
+    with in_this_process():
+        assert main(["release", "moving", "--out", str(out), *tiny, *SHORT]) == 0
     return out
 
 
@@ -93,13 +94,15 @@ def test_a_dataset_in_which_nothing_moves_has_no_such_table(dataset):
 
 
 @pytest.mark.long
-def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(moving, tmp_path, symolo):
-    run, out = moving / "CW/test_1", tmp_path / "again"
+def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(tmp_path, tiny, symolo):
+    root, out = tmp_path / "data", tmp_path / "again"
+    run = root / "CW/test_1"
+    assert symolo("release", "moving", "--out", root, *tiny, *SHORT, "--workers", 1).code == 0
     assert symolo("rerender", run, "--look", "classroom", "--out", out, "--workers", 2).code == 0
     for number in range(1, 7):
         name = f"images/{number:06d}.jpg"
         assert (out / "CW/test_1" / name).read_bytes() == (run / name).read_bytes(), name
-    assert (out / TABLE).read_bytes() == (moving / TABLE).read_bytes()
+    assert (out / TABLE).read_bytes() == (root / TABLE).read_bytes()
     assert list(verify(out)) == []
     frames = json.loads(read_job(job_path(out / ".stages/render/CW/test_1")))["frames"]
     np.testing.assert_allclose([frame["moving"][0][0] for frame in frames], 0.95 - 0.5 * 0.2 * np.arange(6))
