@@ -90,16 +90,23 @@ def evidence_of(robot):
     return make
 
 
-@pytest.fixture
-def step_log(tmp_path, cases_on_the_path):
+@pytest.fixture(scope="module")
+def step_log(tmp_path_factory, cases_on_the_path):
     """Readings of a motor with hidden effects, whose numbers are given by their names, and the nominal fit."""
     del cases_on_the_path
+    made = {}
 
     def make(seed, **effects):
-        cases = importlib.import_module("gap_cases")
-        cases.write(cases.make_case("motor_step", seed, list(effects.items()), rows="few"), tmp_path / "case")
+        key = seed, str(effects)
+        if key not in made:
+            made[key] = fitted(seed, effects)
+        return made[key]
+
+    def fitted(seed, effects):
+        cases, folder = importlib.import_module("gap_cases"), tmp_path_factory.mktemp("steps") / "case"
+        cases.write(cases.make_case("motor_step", seed, list(effects.items()), rows="few"), folder)
         (reader,) = (importer for importer in IMPORTERS if importer.name == "motor_step")
-        measurement = reader.read(tmp_path / "case")
+        measurement = reader.read(folder)
         robot = nominal_of(measurement, base_robot_of(measurement, None))
         evidence = Evidence(STAGES[measurement.kind](measurement, robot))
         bare = Hypothesis(robot, spreads_of(measurement, robot))
