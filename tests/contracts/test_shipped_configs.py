@@ -1,5 +1,6 @@
 """What holds for every arena, robot, look and scenario that is shipped, and for every field of the schema."""
 
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +24,15 @@ TOO_LARGE = {
 }
 """Scenarios with robots or arenas in which the robot, at 35 cm, does not fit between the obstacles, and why."""
 MEMBERS = [(kind, name) for kind in SECTIONS for name in shipped_names(kind)]
+OTHERS = [member for member in MEMBERS if member[0] != "look"]
+COMBINATIONS = [(*other, look) for other, look in zip(OTHERS, cycle(shipped_names("look")))]
+"""Each arena and each robot with one of the looks, so that each look is in one of them at least."""
 DRAW = {"arena": draw_arena, "robot": draw_robot, "look": draw_look}
 
 
 def test_every_kind_is_shipped():
     assert {path.parent.name for path in FILES} == set(FOLDERS.values())
+    assert {look for *_, look in COMBINATIONS} == set(shipped_names("look"))
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")
@@ -56,15 +61,16 @@ def test_a_shipped_scenario_loads_and_draws_the_same_bytes_twice(name: str):
         assert RunSpec.model_validate_json(text).model_dump_json() == text
 
 
-@pytest.mark.parametrize(("kind", "name"), MEMBERS)
+@pytest.mark.parametrize(("kind", "name", "look"), COMBINATIONS)
 @pytest.mark.parametrize("scenario", shipped_names("scenario"))
-def test_every_section_goes_with_every_scenario(scenario: str, kind: str, name: str):
+def test_every_section_goes_with_every_scenario(scenario: str, kind: str, name: str, look: str):
+    settings = [f"{kind}={name}", f"look={look}"]
     if (scenario, name) in TOO_LARGE:
         with pytest.raises((InputError, FaultsError), match=TOO_LARGE[scenario, name]):
-            draw_all(load_scenario(scenario, [f"{kind}={name}"]))
+            draw_all(load_scenario(scenario, settings))
         return
-    specs = draw_all(load_scenario(scenario, [f"{kind}={name}"]))
-    assert {getattr(spec, kind).name for spec in specs} == {name}
+    specs = draw_all(load_scenario(scenario, settings))
+    assert {(getattr(spec, kind).name, spec.look.name) for spec in specs} == {(name, look)}
 
 
 def test_no_field_is_named_like_a_distribution():
