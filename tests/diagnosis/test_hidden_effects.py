@@ -75,7 +75,7 @@ def test_both_of_two_are_named(answer):
     assert names(result) == {"viscous_friction_scale", "current_sensor_offset"}
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_two_effects_are_named_although_another_one_alone_explains_most(answer, seed):
     """Ranges that are too short by a share and by crosstalk look much like a slope of the only material."""
     hidden = [("range_scale", {"scale": 0.97}), ("cover_crosstalk", {"strength_per_m2": 0.03})]

@@ -10,7 +10,7 @@ from symolo.arena.geometry import Arena
 from symolo.dataset.codes import State
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_a_random_arena_is_lapped_without_touching_anything(seed):
     spec = draw_run(load_scenario("random_arenas", [f"seed={seed}"]), "Lap", 1)
     outcome = simulate(spec)
