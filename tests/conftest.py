@@ -102,12 +102,16 @@ def pytest_report_header() -> list[str]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Keep modules and tests, a million objects that stay, from being searched for garbage again and again."""
+    """Keep modules and tests, a million objects that stay, from being searched for garbage again and again.
+
+    What tests leave is searched less often than by default: each search also calls functions of Hypothesis.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(20_000, 10, 10)
         gc.enable()
 
 
