@@ -13,7 +13,6 @@ from diagnosis.discovery.search import runs_of_one_sign
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.report.files import files
 from pipeline.effects.check import load_to_fit
 from pipeline.effects.contract import RULES, judged
 from pipeline.effects.trial import EffectTrial
@@ -82,7 +81,7 @@ def test_a_dead_zone_of_the_voltage_is_found_between_the_voltages_where_it_was_h
 def test_its_file_keeps_the_rules_and_names_its_range(diagnosis, tmp_path):
     law = diagnosis.law
     path = tmp_path / law.file
-    path.write_bytes(files(diagnosis)[law.file])
+    path.write_text(law.text)
     assert "Seen for u_cmd_V from -1." in path.read_text()
     effect = load_to_fit(path)
     EFFECTS.unload(path)
