@@ -62,6 +62,16 @@ class CalibratedCamera:
         return self.document.exposure_s
 
     @property
+    def iso(self) -> float | None:
+        """ISO speed of a manual exposure; None for an automatic one."""
+        return self.document.iso
+
+    @property
+    def f_number(self) -> float | None:
+        """F-number of a manual exposure; None for an automatic one."""
+        return self.document.f_number
+
+    @property
     def read_out_s(self) -> float:
         """Time from the exposure of the first row to that of the row after the last; 0 for a global shutter."""
         return self.document.read_out_s
