@@ -4,7 +4,7 @@ A measured case states each as a value and a tolerance, which is the standard de
 them as a parameter with that prior, in addition to the effects that it tests.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from math import inf
 
@@ -30,6 +30,20 @@ from sensors.effects.range_sensor.range_scale import RangeScale
 from symolo.core.arrays import Array
 
 Number = float | NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SectionField:
+    """A field of a section of the robot, which several parameters of a case may change in one copy."""
+
+    section: str
+    key: str
+    factor: float
+    """Ratio of the field to the parameter of the case."""
+
+    def __call__(self, robot: RobotConfig, value: Number) -> RobotConfig:
+        """Return the robot with another value of the parameter."""
+        return robot.with_section(self.section, {self.key: self.factor * value})
 
 
 @dataclass(frozen=True)
@@ -147,12 +161,8 @@ UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m",
 
 def of_section(section: str, key: str, name: str, value: float, tolerance: float, *, factor: float = 1.0) -> Nuisance:
     """Return the nuisance of a robot parameter, which is `factor` times that of the case."""
-
-    def applied(robot: RobotConfig, changed: Number) -> RobotConfig:
-        return robot.with_section(section, {key: factor * changed})
-
     unit = next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
-    return Nuisance(name, value, tolerance, unit, applied)
+    return Nuisance(name, value, tolerance, unit, SectionField(section, key, factor))
 
 
 def _range_offset(spread: Spread) -> Nuisance:
@@ -169,3 +179,17 @@ def _range_scale(spread: PositiveSpread) -> Nuisance:
         return robot.with_effect(RangeScale.model_construct(scale=present.scale * (value / spread.value)))
 
     return Nuisance("range_scale", spread.value, spread.tolerance, "1", applied)
+
+
+def applied(robot: RobotConfig, values: Iterable[tuple[Nuisance, Number]]) -> RobotConfig:
+    """Return a robot with other values of several parameters, each of which is in `values` once."""
+    sections: dict[str, dict[str, Number]] = {}
+    for nuisance, value in values:
+        change = nuisance.applied
+        if isinstance(change, SectionField):
+            sections.setdefault(change.section, {})[change.key] = change.factor * value
+        else:
+            robot = nuisance.applied(robot, value)
+    for section, changed in sections.items():
+        robot = robot.with_section(section, changed)
+    return robot

@@ -7,6 +7,7 @@ treat that part exactly; effects add an extra torque, which is exactly zero wher
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -73,38 +74,38 @@ class Driveline:
         """Return the driveline of the right motor alone, as on a bench."""
         return cls(model, (model.motors.right,))
 
-    @property
+    @cached_property
     def lags(self) -> bool:
         """Whether the voltage depends on its own past."""
         return bool(self._actuator)
 
-    @property
+    @cached_property
     def adds_torque(self) -> bool:
         """Whether effects can change the torque of the bare windings."""
         in_circuit = self._conduction or self._bridge or self._supply or self._limit
         return bool(in_circuit or self._resistance or self._constant or self._heating)
 
-    @property
+    @cached_property
     def heats(self) -> bool:
         """Whether the resistance depends on the past voltage."""
         return bool(self._heating)
 
-    @property
+    @cached_property
     def may_coast(self) -> bool:
         """Whether the bridge may drive a motor faster than the mean voltage would."""
         return bool(self._conduction)
 
-    @property
+    @cached_property
     def needs_angle(self) -> bool:
         """Whether the torque depends on the angle of the shaft."""
         return bool(self._shaft_torque)
 
-    @property
+    @cached_property
     def needs_place(self) -> bool:
         """Whether friction may depend on the place on the floor."""
         return bool(self._friction)
 
-    @property
+    @cached_property
     def is_bare(self) -> bool:
         """Whether torque and friction are those of the bare motors, at any angle, speed and time."""
         return not (self.adds_torque or self._friction or self._shaft_torque)
@@ -174,7 +175,12 @@ class Driveline:
             winding: The windings at this time.
         """
         back_emf_V = winding.torque_constant_N_m_A * speed_rad_s
-        emf_V = voltage_V - back_emf_V
+        return self._current_A(voltage_V, back_emf_V, voltage_V - back_emf_V, supply_V, winding)
+
+    def _current_A(
+        self, voltage_V: Array, back_emf_V: Array, emf_V: Array, supply_V: float | Array, winding: Winding
+    ) -> Array:
+        """Return the same with K w and u - K w."""
         if not (self._conduction or self._supply):
             return applied(self._limit, applied(self._bridge, emf_V) / winding.resistance_ohm)
         # An empty battery switches nothing.
@@ -194,8 +200,13 @@ class Driveline:
         """Return the torque that effects add to that of the bare winding; arguments are those of `current_A`."""
         if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
-        bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
-        current_A = self.current_A(voltage_V, speed_rad_s, supply_V, winding)
+        back_emf_V = self.torque_constant_N_m_A * speed_rad_s
+        emf_V = voltage_V - back_emf_V
+        bare_A = emf_V / self.resistance_ohm
+        if winding is self._bare_winding:
+            current_A = self._current_A(voltage_V, back_emf_V, emf_V, supply_V, winding)
+        else:
+            current_A = self.current_A(voltage_V, speed_rad_s, supply_V, winding)
         extra = self.torque_constant_N_m_A * (current_A - bare_A)
         if not self._constant:
             return extra
@@ -236,7 +247,8 @@ class Driveline:
         """
         if not self._friction:
             return self.coulomb_N_m
-        direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
+        turns = np.count_nonzero(speed_rad_s) == speed_rad_s.size
+        direction = np.sign(speed_rad_s if turns else np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
         motion = ShaftMotion(direction, speed_rad_s, time_s, trend, *place_m)
         return applied(self._friction, self.coulomb_N_m, motion)
 

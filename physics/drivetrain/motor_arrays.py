@@ -46,9 +46,10 @@ class HeldDrive:
         torque, friction = self.torque_N_m, self.friction_N_m
         if np.count_nonzero(speed_rad_s) == speed_rad_s.size:
             return (torque - np.copysign(friction, speed_rad_s)) / self.damping_N_m_s_rad
-        standing = speed_rad_s == 0.0
-        final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / self.damping_N_m_s_rad
-        return np.where(standing & (np.abs(torque) <= friction), 0.0, final)
+        # At rest, friction holds against any torque up to its size.
+        holding = np.copysign(np.minimum(np.abs(torque), friction), torque)
+        resisting = np.where(speed_rad_s == 0.0, holding, np.copysign(friction, speed_rad_s))
+        return (torque - resisting) / self.damping_N_m_s_rad
 
     def _through_stops(
         self, speed_rad_s: Array, final: Array, duration_s: float | Array, time_constant: Array
@@ -75,7 +76,7 @@ def covered_share(duration_s: float | Array, time_constant_s: Array) -> Array:
 
 def _changes_direction(before_rad_s: Array, after_rad_s: Array) -> bool:
     """Return whether a wheel would turn the other way, so that it stops within the step; usually none does."""
-    return bool(np.count_nonzero(np.sign(after_rad_s) * before_rad_s < 0.0))
+    return bool(np.count_nonzero(after_rad_s * before_rad_s < 0.0))
 
 
 def _relaxed(

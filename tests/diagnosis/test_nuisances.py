@@ -9,7 +9,7 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.measured.case_files.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import creep_on_the_spot, nuisances
+from diagnosis.nuisances import applied, creep_on_the_spot, nuisances
 from diagnosis.usual_tolerances import usual_wheels
 from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
@@ -55,6 +55,16 @@ def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_valu
     for of in all_nuisances:
         if not of.name.startswith(("range", "command")):
             assert of.applied(robot, of.value) == robot
+
+
+@pytest.mark.parametrize("case", NAMES)
+def test_several_in_one_step_are_the_same_as_one_after_the_other(case, base_robot):
+    nominal = read_nominal(EXAMPLES / case / "nominal.yaml")
+    values = [(of, of.value + number * of.tolerance) for number, of in enumerate(nuisances(nominal), 1)]
+    one_by_one = robot = nominal_robot(nominal, base_robot)
+    for of, value in values:
+        one_by_one = of.applied(one_by_one, value)
+    assert applied(robot, values) == one_by_one != robot
 
 
 def test_they_change_motor_and_geometry_of_the_robot(base_robot):

@@ -19,7 +19,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.motor_scales import UNSCALED, MotorScales, motor_scales
 from diagnosis.measured.channel import Mask
-from diagnosis.nuisances import Nuisance
+from diagnosis.nuisances import Nuisance, applied
 from symolo.core.arrays import Array
 
 POSITIVE_TOLERANCES = 3.0
@@ -67,7 +67,7 @@ class CandidateEffect:
             if name not in self.known
         )
 
-    @property
+    @cached_property
     def known(self) -> Mapping[str, float]:
         """Numbers that are not fitted, with their values."""
         fields, numbers = self.kind.model_fields, self.kind.parameters().items()
@@ -158,9 +158,8 @@ class Hypothesis:
         robot = self.nominal
         for effect in self.effects:
             robot = effect.on(robot, self.values(effect, x))
-        for nuisance, deviation in zip(self.nuisances, x.tolist(), strict=False):
-            robot = nuisance.applied(robot, deviated(nuisance, deviation))
-        return robot
+        deviations = zip(self.nuisances, x.tolist(), strict=False)
+        return applied(robot, ((nuisance, deviated(nuisance, deviation)) for nuisance, deviation in deviations))
 
     def local_change(self, x: Array) -> Array | float:
         """Return the change (..., N) of the samples by all that is no property of the robot, at coordinates (..., P).
