@@ -40,6 +40,10 @@ TINY = [
 ]
 
 
+ONE_ROUTE = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
+"""Setting that leaves one run of the smoke scenario, CW/test_1."""
+
+
 SENSORS = {
     "imu": "{x_m: -0.03, y_m: 0.02, z_m: 0.06, yaw_deg: 90}",
     "lidar": "{x_m: 0.02, z_m: 0.1, rays: 36, ray_step_deg: 10, delay_s: 0.02}",
@@ -107,7 +111,7 @@ def sensing_release(tmp_path_factory: pytest.TempPathFactory, request: pytest.Fi
     `dataset`.
     """
     settings = [
-        "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
+        ONE_ROUTE,
         "stop.time_limit_s=0.6",
         "render.width_px=32",
         "render.height_px=24",

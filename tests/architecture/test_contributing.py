@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from configs.effects.registry import EFFECTS
+from tests.release_fixtures import ONE_ROUTE
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text()
@@ -138,8 +139,7 @@ def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
 def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     sensor = walk("A sensor")
     release, verify = sensor.commands
-    one_run = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
-    sensor.symolo(*shlex.split(release), *tiny, one_run, "--workers", "1")
+    sensor.symolo(*shlex.split(release), *tiny, f"--set={ONE_ROUTE}", "--workers", "1")
     assert "no fault" in sensor.symolo(*shlex.split(verify))
     run = sensor.folder / "with-compass/CW/test_1"
     heading, theta = (

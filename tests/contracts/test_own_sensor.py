@@ -23,6 +23,7 @@ from sensors.build import build_sensors
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from tests.release_fixtures import ONE_ROUTE
 
 TOY = '''
 """A feeler at the robot's front."""
@@ -63,7 +64,6 @@ class Feeler(Sensor):
         clearance_m = hits.fraction[0] * self.settings.reach_m
         return np.array([clearance_m <= self.settings.travel_m, clearance_m])
 '''
-ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 TRAVEL = "robot.sensors.feeler.travel_m"
 MEANING = "Contact of the feeler at the robot's front: closed where a wall or an obstacle is within its travel."
 
@@ -88,7 +88,7 @@ def released(tmp_path_factory, tiny, in_this_process):
 
     folder = tmp_path_factory.mktemp("own")
     path, out = written(folder), folder / "data"
-    arguments = ["smoke", "--out", str(out), *tiny, ONE_ROUTE, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
+    arguments = ["smoke", "--out", str(out), *tiny, f"--set={ONE_ROUTE}", "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
     try:
         assert main(["--sensor-file", str(path), "simulate", *arguments]) == 0
         with in_this_process():

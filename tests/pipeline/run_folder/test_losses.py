@@ -8,9 +8,9 @@ import pytest
 
 from physics.control.registry import CONTROLLERS
 from pipeline.run_folder.workspace import Workspace
+from tests.release_fixtures import ONE_ROUTE
 
 LISTS = ("manifest-sha256.txt", "tagmanifest-sha256.txt")
-ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 SIGNATURE = "tagmanifest-sha256.txt.minisig"
 BRIGHT = "--set=look.sun.elevation_deg=70"
 
@@ -51,7 +51,7 @@ def test_without_stages_it_is_protected_too(dataset, copy_of, symolo, tiny):
 
 @pytest.mark.usefixtures("hands")
 def test_with_replace_it_is_replaced_and_the_lines_name_what_went(signed, symolo, tiny):
-    ended = symolo("release", "smoke", "--out", signed, *tiny, "--set=name=other", ONE_ROUTE, "--replace")
+    ended = symolo("release", "smoke", "--out", signed, *tiny, "--set=name=other", f"--set={ONE_ROUTE}", "--replace")
     assert ended.code == 0
     lines = ended.err.splitlines()
     lost = "2 runs (CCW/test_1, CW/test_1), 12 images and the signature"
@@ -65,7 +65,7 @@ def test_with_replace_it_is_replaced_and_the_lines_name_what_went(signed, symolo
 
 def test_runs_that_the_scenario_no_longer_has_are_not_removed_unasked(out, symolo, tiny):
     before = state_of(out)
-    ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE)
+    ended = symolo("release", "smoke", "--out", out, *tiny, f"--set={ONE_ROUTE}")
     assert ended.code == 2
     assert "contains the finished dataset smoke: 1 run (CCW/test_1) and 6 images would be lost" in ended.err
     assert state_of(out) == before
@@ -91,14 +91,14 @@ def test_a_sensor_of_a_file_that_is_not_named_is_not_removed_unasked(out, symolo
 
 def test_a_dry_run_says_what_a_release_would_take_away_do_and_keep_and_writes_nothing(out, symolo, tiny):
     before = state_of(out)
-    ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--dry-run", "--replace")
+    ended = symolo("release", "smoke", "--out", out, *tiny, f"--set={ONE_ROUTE}", "--dry-run", "--replace")
     assert "--replace: the finished dataset smoke would lose 1 run (CCW/test_1) and 6 images" in ended.err.splitlines()
     lines = ["would be lost by the next release: 1 run (CCW/test_1) and 6 images"]
     assert (ended.code, ended.out.splitlines()) == (
         0,
         [*lines, "would be kept, as far as their settings show, 1 run (CW/test_1)"],
     )
-    assert lines[0] in symolo("status", out, "smoke", *tiny, ONE_ROUTE).out
+    assert lines[0] in symolo("status", out, "smoke", *tiny, f"--set={ONE_ROUTE}").out
     ended = symolo("release", "smoke", "--out", out, *tiny, BRIGHT, "--dry-run")
     assert ended.code == 0
     for text in (
@@ -144,7 +144,7 @@ def test_an_interrupted_rerender_names_its_own_command(out, symolo):
 def test_a_finished_release_that_has_lost_a_list_is_protected_too(out, symolo, tiny, name):
     (out / name).unlink()
     before = state_of(out)
-    ended = symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE)
+    ended = symolo("release", "smoke", "--out", out, *tiny, f"--set={ONE_ROUTE}")
     assert (ended.code, "1 run (CCW/test_1) and 6 images would be lost" in ended.err) == (2, True)
     assert state_of(out) == before
 
@@ -152,7 +152,7 @@ def test_a_finished_release_that_has_lost_a_list_is_protected_too(out, symolo, t
 def test_an_unfinished_release_needs_no_flag(out, symolo, tiny):
     for name in LISTS:
         (out / name).unlink()
-    assert symolo("release", "smoke", "--out", out, *tiny, ONE_ROUTE, "--workers=1").code == 0
+    assert symolo("release", "smoke", "--out", out, *tiny, f"--set={ONE_ROUTE}", "--workers=1").code == 0
     assert not (out / "CCW").exists()
 
 
@@ -270,7 +270,7 @@ def with_controller(tmp_path, symolo):
 
     def do(command, text):
         path.write_text(CONTROLLER + text)
-        options = ["--out", tmp_path / "out", ONE_ROUTE, *(f"--set={setting}" for setting in settings)]
+        options = ["--out", tmp_path / "out", f"--set={ONE_ROUTE}", *(f"--set={setting}" for setting in settings)]
         try:
             return symolo("--controller-file", path, command, "smoke", *options)
         finally:

@@ -14,6 +14,7 @@ from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_warnings.angles import settings_in_radians
 from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings, start_to_line
 from pipeline.stages.simulate import simulate
+from tests.release_fixtures import ONE_ROUTE
 
 
 def spec_of(x_m=0.55, yaw_deg=-90.0):
@@ -64,8 +65,7 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
     ],
 )
 def test_a_setting_in_radians_is_named_with_the_number_in_degrees(setting, field, angle, degrees):
-    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
-    (spec,) = draw_all(load_scenario("smoke", [route, setting]))
+    (spec,) = draw_all(load_scenario("smoke", [ONE_ROUTE, setting]))
     (warning,) = plan_warnings([spec])
     assert f"{field} {angle} looks like radians" in warning
     assert warning.endswith(f"write {field.rpartition('.')[2]}: {degrees}")
@@ -75,8 +75,7 @@ def test_a_setting_in_radians_is_named_with_the_number_in_degrees(setting, field
     "yaw", ["0", "1.5", "1.2", "-0.8", "2", "0.52", "1.05", "1.049", "0.001", "{uniform: [1.5707, 1.5709]}"]
 )
 def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
-    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
-    assert plan_warnings(draw_all(load_scenario("smoke", [route, f"robot.camera.yaw_left_deg={yaw}"]))) == ()
+    assert plan_warnings(draw_all(load_scenario("smoke", [ONE_ROUTE, f"robot.camera.yaw_left_deg={yaw}"]))) == ()
 
 
 @pytest.mark.parametrize(
@@ -91,8 +90,7 @@ def test_small_angles_of_a_mount_and_drawn_ones_get_no_warning(yaw):
     ],
 )
 def test_other_small_angles_and_drawn_ones_get_no_warning(setting):
-    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
-    assert plan_warnings(draw_all(load_scenario("smoke", [route, setting]))) == ()
+    assert plan_warnings(draw_all(load_scenario("smoke", [ONE_ROUTE, setting]))) == ()
 
 
 @pytest.mark.parametrize("name", shipped_names("look"))
@@ -132,8 +130,7 @@ def test_a_preview_prints_angles_in_radians(symolo, tmp_path):
     ],
 )
 def test_a_plan_names_what_a_robot_cannot_do_or_be_meant_to_have(setting, beginning):
-    route = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
-    (warning,) = plan_warnings(draw_all(load_scenario("smoke", [route, setting])))
+    (warning,) = plan_warnings(draw_all(load_scenario("smoke", [ONE_ROUTE, setting])))
     assert warning.startswith(f"CW/test_1: {beginning}")
 
 

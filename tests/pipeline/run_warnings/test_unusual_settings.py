@@ -10,15 +10,15 @@ from configs.references import shipped_names
 from pipeline.run_warnings.simulated_run import plan_warnings, run_warnings
 from pipeline.run_warnings.unusual_settings import unusual_settings
 from pipeline.stages.simulate import simulate
+from tests.release_fixtures import ONE_ROUTE
 
-ROUTE = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
 ARC = "{kind: arc, center: [0.30, 0.50], radius_m: 0.25, start_deg: 0, end_deg: 1.5708}"
 CART = "[{{name: Cart, center: [-0.2, 0.3], motion: {{waypoints: [{{t_s: {t_s}, turn_deg: {turn_deg}}}]}}}}]"
 CAMERA = "{{kind: camera, x_m: 0, z_m: 0.15, period_s: 1, width_px: 32, height_px: 24, pitch_up_deg: {pitch_up_deg}}}"
 
 
 def warnings_of(*settings):
-    return plan_warnings(draw_all(load_scenario("smoke", [ROUTE, *settings])))
+    return plan_warnings(draw_all(load_scenario("smoke", [ONE_ROUTE, *settings])))
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,9 @@ def test_unusual_numbers_that_may_be_meant_and_drawn_ones_get_no_warning(setting
 
 
 def test_the_record_of_a_run_has_the_warning():
-    (spec,) = draw_all(load_scenario("smoke", [ROUTE, "stop.time_limit_s=1", "robot.encoder.dropout_probability=1"]))
+    (spec,) = draw_all(
+        load_scenario("smoke", [ONE_ROUTE, "stop.time_limit_s=1", "robot.encoder.dropout_probability=1"])
+    )
     assert any(
         text.endswith("write dropout_probability: 0.01") for text in run_warnings(spec, simulate(spec).recording)
     )

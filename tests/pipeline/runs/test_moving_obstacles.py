@@ -14,9 +14,9 @@ from pipeline.stages.simulate import simulate
 from symolo.arena.footprints import Rectangle, overlap
 from symolo.arena.geometry import Arena
 from symolo.verification.verify import verify
+from tests.release_fixtures import ONE_ROUTE
 
-ONE_RUN = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
-SHORT = ["--set=stop.lap=false", ONE_RUN]
+SHORT = ["--set=stop.lap=false", f"--set={ONE_ROUTE}"]
 TABLE = "CW/test_1/side/obstacles.csv"
 
 

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from symolo.verification.verify import verify
+from tests.release_fixtures import ONE_ROUTE
 
 RUN = "CW/test_1"
 OWN = f"{RUN}/annotations"
 KINDS = ("depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points")
-ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 ASKED = f"--set=render.annotations=[{','.join(KINDS)}]"
 
 
@@ -89,7 +89,7 @@ def test_kinds_that_the_list_no_longer_names_are_removed_and_no_image_is_rendere
     out = copy_of(annotated, stages=True)
     rendered = times(out / ".stages/render/CW", "*.jpg")
     assert rendered
-    less = (*tiny, ONE_ROUTE, "--set=render.annotations=[depth]")
+    less = (*tiny, f"--set={ONE_ROUTE}", "--set=render.annotations=[depth]")
     assert symolo("release", "smoke", "--out", out, *less, "--replace", "--workers", 1).code == 0
     assert {path.name for path in (out / OWN).iterdir()} == {"annotations.json", "depth"}
     assert times(out / ".stages/render/CW", "*.jpg") == rendered

@@ -10,9 +10,10 @@ from pipeline.cli import main
 from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.tables.camera_rows import path_of
 from symolo.playback.from_run import playback_of
+from tests.release_fixtures import ONE_ROUTE
 
 SETTINGS = (
-    "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
+    ONE_ROUTE,
     "stop.time_limit_s=0.6",
     "render.width_px=32",
     "render.height_px=24",

@@ -25,6 +25,7 @@ from symolo.core.geometry.robot_path import RobotPath
 from symolo.dataset.tables.rows import Rows
 from symolo.pages.sheet import LINE_PX
 from symolo.playback.from_run import playback_of
+from tests.release_fixtures import ONE_ROUTE
 
 SMALL = "width_px: 32, height_px: 24"
 CAMERAS = {
@@ -33,7 +34,7 @@ CAMERAS = {
     "rear": f"{{kind: camera, x_m: -0.08, yaw_deg: 180, period_s: 0.3, delay_s: 0.1, fisheye: {{}}, {SMALL}}}",
 }
 SETTINGS = [
-    "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
+    ONE_ROUTE,
     "stop.time_limit_s=0.6",
     "render.width_px=32",
     "render.height_px=24",

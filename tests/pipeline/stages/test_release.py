@@ -18,6 +18,7 @@ from pipeline.run_folder.workspace import Workspace, input_key
 from pipeline.work.processors import class_of
 from symolo.core.files.atomic_files import remove_folder
 from symolo.core.versions import versions
+from tests.release_fixtures import ONE_ROUTE
 
 ARENA_WITH_A_SILL = """
 extends: symolo
@@ -29,8 +30,6 @@ walls:
 
 ENDED = (FileNotFoundError, ProcessLookupError)
 """What /proc raises for a process or thread that has just ended."""
-
-ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 
 
 def test_columns_and_folders_are_those_of_the_paper(dataset):
@@ -141,7 +140,7 @@ def test_another_look_is_rendered_again_but_not_simulated(dataset, copy_of, symo
     trajectory = out / ".stages/simulate/CW/test_1/trajectory.npz"
     before = trajectory.stat().st_mtime_ns
     sun = ("look.sun.elevation_deg=70", "look.sun.illuminance_klx=60")
-    sunny = [*tiny, ONE_ROUTE, *(f"--set={setting}" for setting in sun)]
+    sunny = [*tiny, f"--set={ONE_ROUTE}", *(f"--set={setting}" for setting in sun)]
     ended = symolo("release", "smoke", "--out", out, *sunny, "--replace")
     assert ended.code == 0
     assert "simulate: 1 of 1 run done before" in ended.err

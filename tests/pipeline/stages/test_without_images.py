@@ -14,11 +14,12 @@ from symolo.core.errors import InputError
 from symolo.dataset.documents.run_records import RatesRecord
 from symolo.dataset.rates import period_beside_rows_s
 from symolo.dataset.tables.camera_rows import image_column
+from tests.release_fixtures import ONE_ROUTE
 
 NO_IMAGES = "rates.camera_hz=0"
 SETTINGS = (
     NO_IMAGES,
-    "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]",
+    ONE_ROUTE,
     "stop.time_limit_s=0.6",
     "render.width_px=32",
     "render.height_px=24",
