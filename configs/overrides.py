@@ -1,5 +1,6 @@
 """Values from the command line: `--set look.sun.elevation_deg=30`."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,12 +9,13 @@ from configs.effects.effect_files import KEY, anchored_files
 from configs.posterior.reading import KEY as LIKE
 from configs.posterior.reading import anchored_posterior
 from configs.references import SECTIONS, resolve_camera, resolve_section, with_resolved_routes
-from configs.route_arenas import ROUTES
+from configs.route_arenas import ARENA, ROUTES
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
 
 CAMERA = "look.camera"
+_ROUTE_ARENA = re.compile(rf"{ROUTES}\.[^.]+\.{ARENA}")
 
 
 def apply_override(root: Node, text: str) -> Node:
@@ -44,14 +46,31 @@ def apply_override(root: Node, text: str) -> Node:
         node = anchored_posterior(Node({LIKE: node}, where), Path.cwd()).child(LIKE) or node
     if keys == ["robot", KEY]:
         node = anchored_files(Node({KEY: node}, where), Path.cwd()).child(KEY) or node
-    changed = _set(root, keys, (), node, where)
-    return with_resolved_routes(changed, Path.cwd()) if keys[0] == ROUTES else changed
+    return _set_in_routes(root, keys, node, where) if keys[0] == ROUTES else _set(root, keys, (), node, where)
+
+
+def _set_in_routes(root: Node, keys: list[str], value: Node, where: str) -> Node:
+    """Return the tree with a value in its routes, whose arenas may be names; paths start at the current folder."""
+    if keys[2:3] == [ARENA] and len(keys) > 3:
+        _check_own_arena(root, keys, where)
+    return with_resolved_routes(_set(root, keys, (), value, where), Path.cwd())
+
+
+def _check_own_arena(root: Node, keys: list[str], where: str) -> None:
+    """Refuse to set a field in the arena of a route that has none of its own."""
+    routes = root.child(ROUTES)
+    items = routes.value if routes is not None and isinstance(routes.value, tuple) else ()
+    if items and items[_index(items, keys[1], (ROUTES,), where)].plain_at((ARENA,)) is None:
+        arena = ".".join(keys[:3])
+        field = ".".join([ARENA, *keys[3:]])
+        cure = f"name one first, such as --set {arena}=hall, or set {field} for the arena of the scenario"
+        raise InputError(f"{arena}: the route has no arena of its own", where=where, cure=cure)
 
 
 def replaced_section(text: str) -> str:
     """Return the section that an override replaces by a name or `extends`; empty if it sets fields."""
     name = text.partition("=")[0].strip()
-    return name if name in SECTIONS and _is_named(text) else ""
+    return name if (name in SECTIONS or _ROUTE_ARENA.fullmatch(name)) and _is_named(text) else ""
 
 
 def _is_named(text: str) -> bool:

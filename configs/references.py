@@ -195,7 +195,7 @@ def resolve_section(kind: str, node: Node, folder: Path, what: str = "") -> tupl
             cure=_SEVERAL.get(kind, ""),
         )
     if "extends" in node.value or (kind in MODELS and "scale" in node.value):
-        return resolve(kind, node, folder, prefix=(kind,)), True
+        return resolve(kind, node, folder, prefix=(what,)), True
     node = with_camera(node, folder) if kind == "look" else node
     return _anchored(kind, node, folder), False
 

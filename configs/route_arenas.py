@@ -6,6 +6,7 @@ with the arena of each route as well, as if it stood at the top.
 
 from collections.abc import Callable
 
+from symolo.core.errors import FaultList
 from symolo.core.yaml.tree import FieldPath, Node
 
 ROUTES, ARENA = "routes", "arena"
@@ -28,16 +29,22 @@ def with_each_arena(root: Node, change: Callable[[Node], Node]) -> Node:
 
 
 def with_route_arenas(root: Node, change: Callable[[Node, str], Node | None]) -> Node:
-    """Return a tree in which the arenas of routes are changed; `change` gets an arena and its path as text."""
+    """Return a tree in which the arenas of routes are changed; `change` gets an arena and its path as text.
+
+    Raises:
+        InputError: An arena cannot be changed; the faults of all are reported.
+    """
     routes = root.child(ROUTES)
     if routes is None or not isinstance(routes.value, tuple) or not isinstance(root.value, dict):
         return root
-    items = list(routes.value)
+    items, faults = list(routes.value), FaultList()
     for index, route in enumerate(items):
         arena = route.child(ARENA)
         if arena is not None and arena.value is not None and isinstance(route.value, dict):
-            changed = change(arena, f"{ROUTES}.{index}.{ARENA}")
-            items[index] = Node({**route.value, ARENA: changed or arena}, route.where)
+            with faults.noted():
+                changed = change(arena, f"{ROUTES}.{index}.{ARENA}")
+                items[index] = Node({**route.value, ARENA: changed or arena}, route.where)
+    faults.check()
     return Node({**root.value, ROUTES: Node(tuple(items), routes.where)}, root.where)
 
 

@@ -1,6 +1,6 @@
 """Images for existing trajectories, of symolo or from logs of other programs, as a release; nothing is simulated."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -329,6 +329,18 @@ def _place_in(run: ExternalRun, file: Path) -> Where:
     return lambda row: f"{file}: {run.rows.t_ms[row] / 1000:.3f} s after its first pose"
 
 
+def _with_new_arenas(
+    routes: Sequence[Mapping[str, Any]], request: RerenderRequest, runs: Sequence[ExternalRun]
+) -> Iterator[dict[str, Any]]:
+    """Yield the routes of the source; of their own arenas those that still differ from that of the release."""
+    arenas = {run.spec.drawn_as[0]: run.spec.arena for run in reversed(runs)}
+    for route in routes:
+        kept = {key: value for key, value in route.items() if key != "arena"}
+        arena = arenas.get(str(route.get("name")))
+        is_own = route.get("arena") and request.arena is None and arena is not None
+        yield kept | ({"arena": arena.model_dump(mode="json")} if is_own else {})
+
+
 def _tree(
     sources: Sources,
     request: RerenderRequest,
@@ -343,7 +355,7 @@ def _tree(
         if getattr(request, section) or request.overrides_of(section):
             tree[section] = getattr(first, section).model_dump(mode="json")
             if section == "arena" and "routes" in tree:
-                tree["routes"] = [{key: route[key] for key in route if key != "arena"} for route in tree["routes"]]
+                tree["routes"] = [*_with_new_arenas(tree["routes"], request, runs)]
     if isinstance(first, RunSpec) and "rates" in tree:
         tree["rates"] = first.rates.model_dump(mode="json")
     for key in ("look", "looks", "splits"):

@@ -99,6 +99,26 @@ def test_faults_name_the_route():
     assert "routes.1.start: the robot of route B would start inside obstacle box" in fault(box)
 
 
+def test_the_wrong_arenas_of_all_routes_are_named():
+    text = ROUTES.replace("ARENA", "hal").replace("yaw_deg: -90}}", "yaw_deg: -90}, arena: {extends: clasroom}}")
+    Path("rooms.yaml").write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_scenario("rooms.yaml")
+    assert "rooms.yaml:4: routes.0.arena.extends: got 'clasroom'" in str(caught.value)
+    assert "rooms.yaml:5: routes.1.arena: got 'hal'" in str(caught.value)
+
+
+def test_a_setting_of_an_arena_that_a_later_name_replaces_is_refused():
+    with pytest.raises(InputError, match=r"discards the earlier --set routes.B.arena.line.width_m"):
+        scenario("classroom", "routes.B.arena.line.width_m=0.02", "routes.B.arena=hall")
+
+
+def test_a_route_without_an_arena_of_its_own_has_no_fields_of_it():
+    with pytest.raises(InputError, match="the route has no arena of its own; name one first") as caught:
+        scenario("classroom", "routes.A.arena.line.width_m=0.02")
+    assert "or set arena.line.width_m for the arena of the scenario" in str(caught.value)
+
+
 def test_an_arena_that_is_drawn_as_a_whole_is_refused_with_the_way_to_have_several():
     Path("top.yaml").write_text("extends: symolo\narena: {choice: [symolo, classroom]}\n")
     with pytest.raises(InputError, match="give routes an `arena` of their own"):

@@ -12,8 +12,8 @@ from symolo.report.statistics.run_facts import RunFacts
 
 Value = float | int | str | bool
 
-START = "start."
-"""Beginning of the paths of fields that each route may draw from a distribution of its own."""
+START, ARENA = "start.", "arena."
+"""Beginnings of the paths of fields that a route may draw from distributions of its own."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,12 @@ def drawn_fields(facts: Sequence[RunFacts], scenario: Mapping[str, Any]) -> tupl
         scenario: The scenario of metadata.json, with its distributions.
     """
     distributions = dict(_by_field(scenario))
+    with_arena = {route.get("name") for route in scenario.get("routes", ()) if route.get("arena")}
     values: dict[tuple[str, str], list[Value]] = {}
     for run in facts:
         for field, value in run.drawn.items():
-            route = run.route if field.startswith(START) else ""
+            is_own = field.startswith(START) or (field.startswith(ARENA) and run.route in with_arena)
+            route = run.route if is_own else ""
             values.setdefault((field, route), []).append(value)
     return tuple(
         DrawnField(f"{field} ({route})" if route else field, tuple(run_values), distributions.get((field, route)))

@@ -36,7 +36,7 @@ def test_filters_beat_odometry(driven, start_sd):
 @pytest.mark.parametrize(("robot", "at_most"), [("nominal", 2.0), ("worn", 5.0)])
 def test_the_kalman_filter_knows_its_error(driven, robot, at_most):
     """The wheels of the worn robot alone are 2.5, 2 and 1.5 of the assumed standard deviations off; the mean of the
-    squares is 4.2. With an offset of the ranges that was new after each second, the NEES of this drive was 23.
+    squares is 4.2. A filter for which most errors of the ranges were new after each second had 23 in this drive.
     """
     assert errors(driven(robot), ekf, EXACT).nees < at_most
 
