@@ -42,6 +42,16 @@ def test_what_a_route_asks_for_is_its_own(painted):
     assert "start.x_m (CCW)" not in drawn  # a number there, so that nothing is drawn
 
 
+def test_what_a_route_asks_of_its_own_arena_is_its_own(painted):
+    width = "arena.line.width_m"
+    own = "routes.CCW.arena={extends: symolo, line: {width_m: {uniform: [0.03, 0.04]}}}"
+    drawn, data = draws(painted(settings=[f"{width}={{uniform: [0.01, 0.02]}}", own]))
+    widths = {run.name: run.specification["arena"]["line"]["width_m"] for run in data}
+    for field, route, asked in ((width, "CW", Uniform(0.01, 0.02)), (f"{width} (CCW)", "CCW", Uniform(0.03, 0.04))):
+        assert drawn[field].distribution == asked
+        assert drawn[field].values == tuple(value for name, value in widths.items() if name.startswith(f"{route}/"))
+
+
 def test_what_another_version_asked_for_is_left_out_and_its_draws_are_not(painted):
     data = load(painted(settings=ASKED))
     record = data.metadata.runs[0]
