@@ -1,16 +1,24 @@
 """What a run loses if another look renders it: the response of its camera, which belongs to the look."""
 
+import json
 import shlex
 from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
-from configs.references import shipped_names
+from configs.overrides import CAMERA
+from configs.references import resolve_camera, shipped_names
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.scenario import SceneSpec
+from symolo.core.yaml.tree import Node
 
 _GREY = "monochrome"
+_MANUAL = "manual_exposure"
 
 
-def response_warnings(before: Sequence[SceneSpec], after: Sequence[SceneSpec]) -> tuple[str, ...]:
+def response_warnings(
+    before: Sequence[SceneSpec], after: Sequence[SceneSpec], overrides: Sequence[str] = ()
+) -> tuple[str, ...]:
     """Return a sentence for each special camera of the source that a look replaces by another one.
 
     Special are cameras with a name of their own, monochrome ones, and those with a manual exposure.
@@ -18,18 +26,20 @@ def response_warnings(before: Sequence[SceneSpec], after: Sequence[SceneSpec]) -
     Args:
         before: Runs of the source.
         after: Runs under the looks, in the order of `before` for each draw.
+        overrides: Settings of the user; where one of them replaces the camera, there is nothing to say.
     """
-    texts = {}
+    if any(text.partition("=")[0].strip() == CAMERA for text in overrides):
+        return ()
+    replaced: dict[str, list[tuple[CameraLook, CameraLook]]] = {}
     for k, spec in enumerate(after):
         source = before[k % len(before)]
         old, new = source.look.camera, spec.look.camera
         words = ", ".join(_words(old))
         if source.is_imported or not words or _kind(old) == _kind(new):
             continue
-        options = shlex.join([word for text in _settings(old, new) for word in ("--set", text)])
         text = f"the camera of the run ({words}) gives way to that of the look {spec.look.name}"
-        texts[f"{text}; {options} keeps it" if options else text] = None
-    return tuple(texts)
+        replaced.setdefault(text, []).append((old, new))
+    return tuple(text + _remedy(pairs) for text, pairs in replaced.items())
 
 
 def _kind(camera: CameraLook) -> tuple[object, ...]:
@@ -45,14 +55,53 @@ def _words(camera: CameraLook) -> Iterator[str]:
         yield "manual exposure"
 
 
-def _settings(old: CameraLook, new: CameraLook) -> Iterator[str]:
-    """Yield settings that bring the old camera back, as far as options can name it."""
-    if old.name is not None and old.name not in shipped_names("camera"):
-        return
-    if old.name != new.name and old.name is not None:
-        yield f"look.camera={old.name}"
-    elif _GREY in {old.colour_filter, new.colour_filter} and old.colour_filter != new.colour_filter:
-        yield f"look.camera.colour_filter={old.colour_filter}"
-    if (manual := old.manual_exposure) is not None and manual != new.manual_exposure:
-        yield f"look.camera.exposure_time_s={old.exposure_time_s:g}"
-        yield f"look.camera.manual_exposure={{iso: {manual.iso:g}, f_number: {manual.f_number:g}}}"
+def _remedy(pairs: Sequence[tuple[CameraLook, CameraLook]]) -> str:
+    """Return the end of a sentence, with the settings that bring a camera back.
+
+    Args:
+        pairs: The camera of each run and that of the look; all cameras of the runs have the same name.
+    """
+    first = _fields(pairs[0][0])
+    differing = [name for name in first if any(_fields(old)[name] != first[name] for old, _ in pairs)]
+    settings: dict[str, None] = {}
+    if pairs[0][0].name in shipped_names("camera"):
+        settings[f"{CAMERA}={pairs[0][0].name}"] = None
+    for old, new in pairs:
+        base = _shipped(old.name) if old.name in shipped_names("camera") else new
+        settings |= dict.fromkeys(_settings(old, base, differing))
+    if not settings:
+        return ""
+    options = shlex.join([word for text in settings for word in ("--set", text)])
+    lost = f", except for what is not the same in all runs: {', '.join(differing)}" if differing else ""
+    return f"; {options} keeps it{lost}"
+
+
+def _settings(old: CameraLook, base: CameraLook, left_out: Sequence[str]) -> Iterator[str]:
+    """Yield settings that change one camera into an old one, except for the fields that are left out."""
+    fields, there = _fields(old), _fields(base)
+    for name in fields:
+        if name in left_out or fields[name] == there[name]:
+            continue
+        if name == _MANUAL and (manual := old.manual_exposure) is not None:
+            unset = {field: info.default for field, info in type(manual).model_fields.items()}
+            before = there[name] or unset
+            for field, value in fields[name].items():
+                if value != before[field]:
+                    yield f"{CAMERA}.{name}.{field}={_yaml(value)}"
+        else:
+            yield f"{CAMERA}.{name}={_yaml(fields[name])}"
+
+
+def _yaml(value: str | float | None) -> str:
+    return json.dumps(int(value) if isinstance(value, float) and value.is_integer() else value)
+
+
+def _fields(camera: CameraLook) -> dict[str, Any]:
+    """Return the values of all fields, also of those that files leave out."""
+    manual = camera.manual_exposure
+    in_fields = None if manual is None else {name: getattr(manual, name) for name in type(manual).model_fields}
+    return {name: getattr(camera, name) for name in CameraLook.model_fields} | {_MANUAL: in_fields}
+
+
+def _shipped(name: str | None) -> CameraLook:
+    return CameraLook.model_validate(resolve_camera(Node(name, ""), Path.cwd()).plain())

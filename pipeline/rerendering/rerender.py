@@ -140,7 +140,7 @@ def prepare(sources: Sources, request: RerenderRequest) -> Rerendering:
         for scene, run in zip(scenes, sources.runs, strict=True)
         for text in scene.outcome.suspicions[len(run.outcome.suspicions) :]
     )
-    warnings += response_warnings([run.spec for run in sources.runs], [run.spec for run in runs])
+    warnings += response_warnings([run.spec for run in sources.runs], [run.spec for run in runs], request.overrides)
     return Rerendering(tuple(runs), tree, assets, sources.sensors, device_for(render.device), warnings)
 
 

@@ -19,16 +19,59 @@ def run(*settings):
     return draw_run(load_scenario("smoke", settings), "CW", 1)
 
 
+def settings_of(text):
+    options = shlex.split(text.partition("; ")[2].partition(" keeps it")[0])
+    assert options[::2] == ["--set"] * (len(options) // 2)
+    return options[1::2]
+
+
 def test_a_monochrome_camera_with_manual_exposure_is_named_with_the_settings_that_keep_it():
     (text,) = response_warnings([run(*MONOCHROME)], [run("look=lab"), run("look=lab")])
     start = "the camera of the run (machine_vision, monochrome, manual exposure) gives way to that of the look lab; "
     assert text.startswith(start)
     assert text.endswith(" keeps it")
-    words = shlex.split(text.removeprefix(start).removesuffix(" keeps it"))
-    assert words[::2] == ["--set"] * 3
-    kept = run("look=lab", *words[1::2])
+    assert settings_of(text) == [*MONOCHROME]
+    kept = run("look=lab", *settings_of(text))
     assert response_warnings([run(*MONOCHROME)], [kept]) == ()
     assert kept.look.camera == run(*MONOCHROME).look.camera
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        (*MONOCHROME, "look.camera.manual_exposure.base_iso=50", "look.camera.manual_exposure.f_number=4"),
+        ("look.camera=phone", "look.camera.vignetting=0.35", "look.camera.exposure_time_s=0.00001234567"),
+        ("look.camera.colour_filter=monochrome",),
+        ("look.camera=phone", "look.camera.name=mine", "look.camera.description='ours: \"no. 1\", 5 %'"),
+        ("look.camera=raspberry_pi", "look.camera.colour_filter=monochrome"),
+    ],
+)
+@pytest.mark.parametrize("look", ["look=lab", "look=extreme"])
+def test_the_settings_give_the_whole_camera_back(settings, look):
+    (text,) = response_warnings([run(*settings)], [run(look)])
+    assert run(look, *settings_of(text)).look.camera == run(*settings).look.camera
+
+
+def test_a_manual_exposure_of_the_look_is_taken_away_again():
+    manual = ("look=lab", "look.camera.exposure_time_s=0.02", "look.camera.manual_exposure={iso: 200, base_iso: 50}")
+    grey = ("look.camera.colour_filter=monochrome",)
+    slower = (*grey, "look.camera.exposure_time_s=0.02", "look.camera.manual_exposure={iso: 200, f_number: 4}")
+    for settings in (grey, slower):
+        (text,) = response_warnings([run(*settings)], [run(*manual)])
+        assert run(*manual, *settings_of(text)).look.camera == run(*settings).look.camera
+
+
+def test_a_camera_that_the_user_names_replaces_that_of_the_run_without_a_word():
+    after = [run("look=lab", "look.camera=phone")]
+    assert response_warnings([run(*MONOCHROME)], after, ("look.camera=phone",)) == ()
+    assert len(response_warnings([run(*MONOCHROME)], after, ("look.camera.vignetting=0.1",))) == 1
+
+
+def test_numbers_that_differ_between_the_runs_are_named_once_as_not_kept():
+    runs = [run(*MONOCHROME, f"look.camera.vignetting={vignetting}") for vignetting in (0.1, 0.3, 0.4)]
+    (text,) = response_warnings(runs, [run("look=lab")] * 3)
+    assert text.endswith(" keeps it, except for what is not the same in all runs: vignetting")
+    assert settings_of(text) == [*MONOCHROME]
 
 
 @pytest.mark.parametrize("settings", [(), ("look.camera.vignetting=0.4",)])
@@ -38,7 +81,5 @@ def test_an_ordinary_camera_is_replaced_without_a_word(settings):
 
 def test_each_look_that_replaces_a_camera_is_named_once():
     after = [run(f"look={look}") for look in ("lab", "lab", "night", "night")]
-    texts = response_warnings([run("look.camera.colour_filter=monochrome")] * 2, after)
-    assert [text.partition(" look ")[2] for text in texts] == [
-        f"{look}; --set look.camera.colour_filter=monochrome keeps it" for look in ("lab", "night")
-    ]
+    texts = response_warnings([run(*MONOCHROME)] * 2, after)
+    assert [text.partition(" look ")[2].partition(";")[0] for text in texts] == ["lab", "night"]
