@@ -10,7 +10,7 @@ from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
 from logs.proposal import Proposal, missing, propose_as, time_step_s
-from logs.quantity import SIDES
+from logs.quantity import LEFT, RIGHT, SIDES
 from logs.units import taken_apart
 from symolo.core.errors import InputError, nearest
 
@@ -86,22 +86,30 @@ def _check_wheels(log: LogFile, chosen: Mapping[str, str]) -> None:
     Raises:
         InputError: More than two columns are counts of encoders.
     """
-    wheels = of_wheels([name for name in log.columns if name not in chosen.values()])
+    if all(name in chosen for name in COUNTED):
+        return
+    others = of_wheels([name for name in log.columns if name not in chosen.values()])
+    wheels = [column for column in others if _side(column) not in chosen]
     wheels += [chosen[name] for name in COUNTED if name in chosen]
     if len(wheels) > 2:
+        named = {_side(column): column for column in reversed(wheels)} | dict(chosen)
+        pair = [f"{name}={named.get(name, 'COLUMN')}" for name in COUNTED]
         raise InputError(
             f"counts of {len(wheels)} wheels: {', '.join(wheels)}",
             where=log.header_where,
             allowed="one left and one right wheel on a common axle, which is all that the simulator can drive",
-            cure=f"if one of them is no count, name what it is, such as {_option('t_s', wheels[0])}; a robot with"
-            " three omnidirectional wheels cannot be compared; if two of the wheels are such a pair, or each side has"
-            f" several wheels on one motor, write a {MAPPING} (docs/case_from_log.md) with one column for each side,"
-            " and name it with --mapping",
+            cure="if two of the wheels are such a pair, or each side has several wheels on one motor, choose them with"
+            f" {shlex.join(word for text in pair for word in (COLUMN_OPTION, text))}; if a column is no count, name"
+            f" what it is with {COLUMN_OPTION} QUANTITY=COLUMN; a robot with three omnidirectional wheels cannot be"
+            " compared",
         )
 
 
-def _option(name: str, column: str) -> str:
-    return shlex.join([COLUMN_OPTION, f"{name}={column}"])
+def _side(column: str) -> str:
+    """Return the count of the one side that a name states; empty if it states none or both."""
+    names = set(taken_apart(column).words)
+    sides = [name for name, side in zip(COUNTED, (LEFT, RIGHT), strict=True) if names & side]
+    return sides[0] if len(sides) == 1 else ""
 
 
 def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:

@@ -30,11 +30,41 @@ def test_a_chosen_column_is_no_count_of_a_third_wheel(init, columns):
     assert "tick (t_s): the name has no unit; taken for ms" in out
 
 
-def test_an_error_about_three_wheels_names_the_option_for_a_column_that_is_no_count(init, columns):
+def test_an_error_about_three_wheels_names_the_options_that_choose_the_two_to_compare(init, columns):
     code, _, err, _ = init(renamed(columns, time_ms="tick"))
     assert code == 2
     assert "counts of 3 wheels: tick, enc_l, enc_r" in err
-    assert "if one of them is no count, name what it is, such as --column t_s=tick" in err
+    assert (
+        "choose them with --column enc_left_ticks=enc_l --column enc_right_ticks=enc_r; if a column is no count" in err
+    )
+    assert "name what it is with --column QUANTITY=COLUMN" in err
+
+
+def filtered(columns):
+    return {**columns, "enc_l_filtered": columns["enc_l"], "enc_r_filtered": columns["enc_r"]}
+
+
+@pytest.mark.parametrize("sides", [("left", "right"), ("right", "left")])
+def test_chosen_counts_of_both_wheels_go_before_all_others(sides, init, columns):
+    chosen = [word for side in sides for word in ("--column", f"enc_{side}_ticks=enc_{side[0]}_filtered")]
+    code, out, err, _ = init(filtered(columns), *chosen)
+    assert (code, err) == (0, "")
+    assert "from enc_l_filtered" in out
+    assert "from enc_r_filtered" in out
+
+
+def test_a_chosen_count_goes_before_those_of_its_side(init, columns):
+    logged = {name: column for name, column in filtered(columns).items() if name != "enc_r_filtered"}
+    code, _, err, _ = init(logged, "--column", "enc_left_ticks=enc_l_filtered")
+    assert (code, err) == (0, "")
+
+
+def test_beside_a_chosen_count_wheels_without_a_side_are_still_too_many(init, columns):
+    logged = {"enc1": columns["enc_l"], "enc2": columns["enc_r"], **columns}
+    code, _, err, _ = init(renamed(logged, enc_l="enc3", enc_r="enc4"), "--column", "enc_left_ticks=enc1")
+    assert code == 2
+    assert "counts of 4 wheels: enc2, enc3, enc4, enc1" in err
+    assert "choose them with --column enc_left_ticks=enc1 --column enc_right_ticks=COLUMN" in err
 
 
 def test_the_command_that_takes_a_column_is_in_the_error(init, columns):
