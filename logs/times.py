@@ -7,8 +7,8 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
 
-MAX_ACROSS_STEPS = 2.5
-"""Longest time, in usual steps, between the rows before and after one whose time is out of order; it is two steps."""
+MAX_OFF_STEPS = 0.5
+"""How far, in usual steps, the time between the rows before and after those out of order may be from whole steps."""
 
 
 def usual_step(steps_s: Array) -> float:
@@ -46,16 +46,34 @@ def stray_rows(t_s: Array) -> NDArray[np.bool_]:
     stray = np.zeros(len(t_s), dtype=bool)
     steps_s = np.diff(t_s)
     back = np.flatnonzero(steps_s < 0.0) + 1
-    if not len(back):
+    if not len(back) or not np.any(steps_s > 0.0):
         return stray
-    across_s = MAX_ACROSS_STEPS * usual_step(steps_s[steps_s > 0.0]) if np.any(steps_s > 0.0) else 0.0
+    usual_s = usual_step(steps_s[steps_s > 0.0])
     for row in back:
-        # Either this row is too early, or the one before it is too late.
-        for one in (row, row - 1):
-            if 0 < one < len(t_s) - 1 and 0.0 < t_s[one + 1] - t_s[one - 1] <= across_s:
-                stray[one] = True
-                break
+        one = _stray(t_s, int(row), usual_s)
+        if one is not None:
+            stray[one] = True
     return stray
+
+
+def _stray(t_s: Array, row: int, usual_s: float) -> int | None:
+    """Return the row that is out of order where the time goes back at a row; None if something new begins there."""
+    last = len(t_s) - 1
+
+    def are_apart(first: int, second: int) -> bool:
+        is_inside = first >= 0 and second <= last
+        return is_inside and abs(t_s[second] - t_s[first] - (second - first) * usual_s) <= MAX_OFF_STEPS * usual_s
+
+    # Either this row is too early, or the one before it is too late, or the two are exchanged.
+    for one in (row, row - 1):
+        if are_apart(one - 1, one + 1):
+            return one
+    if are_apart(row - 2, row + 1) and t_s[row - 2] < t_s[row] and t_s[row - 1] < t_s[row + 1]:
+        return row
+    # A first or last row that does not belong to the two beside it would be a trial of its own.
+    if row == 1 < last and t_s[1] < t_s[2]:
+        return 0
+    return last if row == last > 1 and t_s[last - 2] < t_s[last - 1] else None
 
 
 def goes_back(by_s: float, where: str) -> InputError:

@@ -15,6 +15,8 @@ IN_TIME = frozenset({CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP})
 """Kinds whose rows follow each other in time."""
 LONGEST_GAP_S = 3600.0
 """Longest gap within a trial; a longer one is a broken time stamp, or two logs in one file."""
+MAX_STRAY_SHARE = 0.02
+"""Largest share of rows whose times are out of order and that are left out; one row is always left out."""
 
 Rows = NDArray[np.int64]
 
@@ -30,15 +32,12 @@ def rows_of_trials(t_s: Array, group: Array | None, kind: CaseKind, log: LogFile
         notes: Gets what is left out.
 
     Raises:
-        InputError: The time goes back within a trial, at most rows, or on a range bench, which has one trial only; or
-            it jumps far ahead.
+        InputError: The time goes back within a trial, at most rows, or on a range bench, which has one trial only; it
+            jumps far ahead; or many times are out of order.
     """
-    kept = np.arange(len(t_s))
-    if group is None and kind in IN_TIME and (stray := stray_rows(t_s)).any():
-        notes.append(_stray_note(stray, log))
-        kept = np.flatnonzero(~stray)
+    kept = _kept_rows(t_s, group, log, notes) if kind in IN_TIME else np.arange(len(t_s))
     steps = np.diff(t_s[kept])
-    new = steps < 0.0 if group is None else np.diff(group) != 0.0
+    new = steps < 0.0 if group is None else np.diff(group[kept]) != 0.0
     if group is None and 2 * np.count_nonzero(new) > len(steps):
         first = int(np.argmax(new))
         raise goes_back(float(-steps[first]), log.where(int(kept[first + 1])))
@@ -62,6 +61,27 @@ def rows_of_trials(t_s: Array, group: Array | None, kind: CaseKind, log: LogFile
         for rows in trials:
             _check_steps(t_s[rows], rows, log)
     return trials
+
+
+def _kept_rows(t_s: Array, group: Array | None, log: LogFile, notes: list[str]) -> Rows:
+    """Return the rows without those whose time alone is out of order.
+
+    Raises:
+        InputError: There are so many of them that the clock cannot be trusted.
+    """
+    begins = np.flatnonzero(np.diff(group)) + 1 if group is not None else []
+    stray = np.concatenate([stray_rows(part_s) for part_s in np.split(t_s, begins)])
+    count = int(np.count_nonzero(stray))
+    if count > max(1.0, MAX_STRAY_SHARE * len(t_s)):
+        raise InputError(
+            f"the times of {count} of {len(t_s)} rows are out of order",
+            where=log.where(int(np.argmax(stray))),
+            allowed=f"at most {100 * MAX_STRAY_SHARE:g} % of the rows",
+            cure="sort the rows by time, or repair or remove those with a wrong time",
+        )
+    if count:
+        notes.append(_stray_note(stray, log))
+    return np.flatnonzero(~stray)
 
 
 def _stray_note(stray: NDArray[np.bool_], log: LogFile) -> str:

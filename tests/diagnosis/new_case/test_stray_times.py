@@ -7,6 +7,7 @@ from diagnosis.new_case.proposal import propose
 from diagnosis.new_case.rows import measurement_of
 from logs.log_file import read_log
 from logs.times import stray_rows
+from symolo.core.errors import InputError
 from tests.diagnosis.new_case.drives import csv_text, drive_rows
 
 
@@ -17,7 +18,10 @@ def measured(tmp_path, columns):
     return measurement_of(log, propose(log).mapping, "m")
 
 
-@pytest.mark.parametrize(("row", "time_ms", "where"), [(3, -60, "row 5"), (3, 9950, "row 5"), (198, 30, "row 200")])
+STRAY = [(3, -60, "row 5"), (3, 9950, "row 5"), (198, 30, "row 200")]
+
+
+@pytest.mark.parametrize(("row", "time_ms", "where"), STRAY)
 def test_a_stray_time_is_left_out_with_its_row_and_the_trial_goes_on(row, time_ms, where, tmp_path):
     columns = drive_rows(0.05 * np.arange(200))
     columns["time_ms"][row] = time_ms
@@ -26,6 +30,44 @@ def test_a_stray_time_is_left_out_with_its_row_and_the_trial_goes_on(row, time_m
     assert trial.t_s[-1] - trial.t_s[0] == pytest.approx(0.05 * 199)
     (note,) = [note for note in measurement.notes if "out of order" in note]
     assert note == f"left out, because its time alone is out of order: {where}"
+
+
+@pytest.mark.parametrize(("row", "time_ms", "where", "rows"), [(0, 9950, "row 2", 199), (199, -5, "row 201", 199)])
+def test_a_stray_time_in_the_first_or_the_last_row_begins_no_trial(row, time_ms, where, rows, tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    columns["time_ms"][row] = time_ms
+    measurement = measured(tmp_path, columns)
+    (trial,) = measurement.trials
+    assert len(trial.t_s) == rows
+    assert f"left out, because its time alone is out of order: {where}" in measurement.notes
+
+
+@pytest.mark.parametrize(("row", "time_ms", "where"), STRAY)
+def test_a_stray_time_in_a_trial_that_a_column_names_is_left_out(row, time_ms, where, tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    columns["trial"] = np.repeat([1, 2], 100)
+    columns["time_ms"][row] = time_ms
+    measurement = measured(tmp_path, columns)
+    assert len(measurement.trials) == 2
+    assert f"left out, because its time alone is out of order: {where}" in measurement.notes
+
+
+def test_a_clock_that_steps_back_and_stays_there_begins_a_new_trial(tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    columns["time_ms"][100:] -= 60
+    measurement = measured(tmp_path, columns)
+    assert len(measurement.trials) == 2
+    assert not [note for note in measurement.notes if "out of order" in note]
+
+
+def test_a_log_in_which_many_times_are_out_of_order_is_refused(tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    columns["time_ms"][10:60:10] = -5
+    with pytest.raises(InputError, match=r"run.csv: row 12: the times of 5 of 200 rows are out of order") as error:
+        measured(tmp_path, columns)
+    assert "at most 2 %" in str(error.value)
+    columns["time_ms"][50] = 2500
+    assert len(measured(tmp_path, columns).trials) == 1
 
 
 def test_new_trials_are_noted_with_the_row_of_the_first_and_the_length_of_the_shortest(tmp_path):
@@ -46,8 +88,13 @@ def test_new_trials_are_noted_with_the_row_of_the_first_and_the_length_of_the_sh
         ([0, 1, 2, 0, 1, 2], []),
         ([0, 1, 2, 0, 5, 6], []),
         ([0, 1, 2, 2, 3, 4], []),
-        ([5, 0, 1, 2, 3, 4], []),
-        ([0, 1, 2, 3, 4, 0], []),
+        ([5, 0, 1, 2, 3, 4], [0]),
+        ([0, 1, 2, 3, 4, 0], [5]),
+        ([5, 0, 1, 2, 9, 4], [0, 4]),
+        ([5, 4, 3, 2, 1, 0], []),
+        ([0, 1, 2, 1.8, 2.8, 3.8], []),
+        ([0, 1, 2, 0.6, 1.6, 2.6], []),
+        ([5, 0], []),
         ([0, 5], []),
         ([0], []),
     ],
