@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from logs.counts import are_per_row
-from logs.drive import COUNTED, PER_ROW
+from logs.drive import COUNT_WORDS, COUNTED, PER_ROW
 from logs.heading_unit import guessed_heading_unit
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
@@ -111,7 +111,7 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     unused = [name for name in log.columns if name not in recognised.values()]
     cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
     if kind.column_option and unused:
-        first = f"{min(min(several, key=len))}={unused[0]}"
+        first = _example(without_range, several, unused)
         cure = f"name the column of each, such as {shlex.join([kind.column_option, first])}; or {cure}"
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
@@ -119,6 +119,17 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
         where=log.header_where,
         cure=f"{others}{cure}",
     )
+
+
+def _example(
+    without_range: Sequence[Collection[str]], several: Sequence[Collection[str]], unused: Sequence[str]
+) -> str:
+    """Return a quantity that is missing and a column for it; it is a range only if nothing else can be completed."""
+    counts = [column for column in unused if COUNT_WORDS & set(taken_apart(column).words)]
+    possible = [lacking for lacking in without_range if counts or len(lacking) <= len(unused)] or several
+    lacking = min(possible, key=len)
+    name = "t_s" if "t_s" in lacking else min(lacking)
+    return f"{name}={(counts if name in COUNTED and counts else unused)[0]}"
 
 
 def time_step_s(log: LogFile, column: str) -> float:

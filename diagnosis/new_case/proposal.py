@@ -11,7 +11,7 @@ from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
 from logs.proposal import Proposal, missing, propose_as, time_step_s
 from logs.quantity import LEFT, RIGHT, SIDES
-from logs.units import taken_apart
+from logs.units import taken_apart, units_for
 from symolo.core.errors import InputError, nearest
 
 STEADY_FROM_S = 0.25
@@ -49,8 +49,27 @@ def chosen_columns(settings: Sequence[str], log: LogFile, kind: CaseKind | None 
         check_column(column, log, where)
         if other := next((other for other, one in chosen.items() if one == column), ""):
             raise InputError(f"the column of {other}, too", where=where, got=column)
+        _check_unit(name, column)
         chosen[name] = column
     return chosen
+
+
+def _check_unit(name: str, column: str) -> None:
+    """Refuse a chosen column whose name states a unit that the quantity cannot have.
+
+    Raises:
+        InputError: The name does so.
+    """
+    ours = next((unit for one in KINDS if (unit := KINDS[one].unit_of(name))), "")
+    unit = taken_apart(column).unit if column != name else ""
+    if ours and unit and unit not in units_for(ours):
+        raise InputError(
+            f"the name of the column seems to state the unit {unit}",
+            where=f"{COLUMN_OPTION} {name}={column}",
+            allowed=", ".join(units_for(ours)),
+            cure=f"rename the column, or write a {MAPPING} with its unit (docs/case_from_log.md) and name it with"
+            " --mapping",
+        )
 
 
 def propose(

@@ -100,6 +100,39 @@ def test_a_choice_that_does_not_fit_is_refused(arguments, message, init, columns
     assert message in err
 
 
+@pytest.mark.parametrize(
+    ("name", "unit", "quantity", "allowed"),
+    [("a b=c", "degC", "t_s", "s, ms, us, ns"), ("shaft_rpm", "rpm", "x_m", "m, mm, cm")],
+)
+def test_a_chosen_column_in_a_unit_of_something_else_is_refused(name, unit, quantity, allowed, init, columns):
+    code, _, err, _ = init({name: columns["time_ms"], **columns}, "--column", f"{quantity}={name}")
+    assert code == 2
+    where = f"--column {quantity}={name}: the name of the column seems to state the unit {unit}"
+    assert f"{where}; allowed: {allowed}" in err
+    assert "rename the column, or write a mapping.yaml" in err
+
+
+@pytest.mark.parametrize(
+    ("names", "first"),
+    [
+        ({"enc_l": "foo", "enc_r": "bar"}, "enc_left_ticks=foo"),
+        ({"enc_l": "foo", "enc_r": "bar", "time_ms": "zeit"}, "t_s=zeit"),
+        ({"enc_l": "enc_1", "enc_r": "enc_2", "time_ms": "zeit"}, "t_s=zeit"),
+        ({"enc_l": "enc_1"}, "enc_left_ticks=enc_1"),
+    ],
+)
+def test_the_example_for_a_log_without_counts_is_no_range(names, first, init, columns):
+    code, _, err, _ = init(renamed(columns, **names))
+    assert code == 2
+    assert f"such as --column {first};" in err
+
+
+def test_the_example_for_missing_counts_is_a_column_of_counts(init, columns):
+    logged = renamed({"battery": columns["x_cm"], **columns}, enc_l="enc_1", enc_r="enc_2")
+    _, _, err, _ = init(logged)
+    assert "such as --column enc_left_ticks=enc_1;" in err
+
+
 @pytest.mark.parametrize("name", ["uptime_ms", "uptime", "millis"])
 def test_the_clock_of_a_microcontroller_is_a_time(name):
     assert KINDS[CaseKind.DRIVE_LOG].matched([name]) == {"t_s": name}
