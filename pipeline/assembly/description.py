@@ -209,7 +209,7 @@ def _images(metadata: Metadata, spec: SceneSpec) -> str:
     camera, look = spec.look.camera, spec.look
     exposure = f"{1000 * camera.exposure_time_s:g} ms" if camera.exposure_time_s else "an instant, without motion blur"
     if (manual := camera.manual_exposure) is not None:
-        exposure = f"the same in all images: {exposure}, ISO {manual.iso:g}, f/{manual.f_number:g}"
+        exposure = f"the same in all images of a run: {exposure}, ISO {manual.iso:g}, f/{manual.f_number:g}"
     else:
         exposure = f"automatic; {exposure}"
     read_out_ms = 1000 * spec.robot.camera.read_out_s
@@ -220,10 +220,14 @@ def _images(metadata: Metadata, spec: SceneSpec) -> str:
         ("colours", _COLOURS[camera.colour_filter]),
         ("shutter", f"rolling: {read_out_ms:g} ms from the top row to the bottom row" if read_out_ms else "global"),
     ]
-    return (
-        f"## Images\n\nValues are those of the camera of data.csv in {spec.key} where they are drawn per run.\n\n"
-        f"{markdown_table(('part', 'value'), rows)}"
-    )
+    whose = f"Values are those of the camera of data.csv in {spec.key} where they are drawn per run."
+    if looks := metadata.scenario.get("looks"):
+        names = ", ".join(plain_text(name) for name in looks)
+        whose = (
+            f"Runs have one of the looks {names}, in side/spec.json of each run. This is the one of {spec.key}: values"
+        )
+        whose += " are those of the camera of data.csv in this run."
+    return f"## Images\n\n{whose}\n\n{markdown_table(('part', 'value'), rows)}"
 
 
 def _arena(metadata: Metadata, spec: SceneSpec) -> str:

@@ -79,7 +79,7 @@ def test_a_description_has_the_look_the_camera_and_the_exposure_of_the_images():
     images = text[text.index("## Images") : text.index("## Arena")]
     assert "classroom: " in images
     assert "machine_vision: " in images
-    assert "| exposure | the same in all images: 10 ms, ISO 200, f/2.8 |" in images
+    assert "| exposure | the same in all images of a run: 10 ms, ISO 200, f/2.8 |" in images
     assert "| colours | none: the sensor measures all colours together |" in images
     assert "| shutter | rolling: 20 ms from the top row to the bottom row |" in images
     automatic = described("smoke")
@@ -87,6 +87,20 @@ def test_a_description_has_the_look_the_camera_and_the_exposure_of_the_images():
     assert "| exposure | automatic; an instant, without motion blur |" in automatic
     assert "| shutter | global |" in automatic
     assert "## Images" not in described("smoke", image=(0, 0))
+
+
+def test_a_description_of_several_looks_names_all_and_says_whose_values_it_shows():
+    loaded = load_scenario("smoke", ("look=night",))
+    specs = draw_all(loaded)
+    tree = {key: value for key, value in loaded.tree.items() if key != "look"}
+    looks = {name: load_scenario("smoke", (f"look={name}",)).tree["look"] for name in ("night", "lab")}
+    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    text = markdown(describe({**tree, "looks": looks}, specs, records, []), specs[0]).decode()
+    images = text[text.index("## Images") : text.index("## Arena")]
+    key = specs[0].key
+    assert f"one of the looks night, lab, in side/spec.json of each run. This is the one of {key}: values" in images
+    assert "| look | night: " in images
+    assert "one of the looks" not in described("smoke")
 
 
 def test_the_same_description_follows_from_the_file():
