@@ -15,14 +15,23 @@ def torque_constants(named: NamedEffect, diagnosis: Diagnosis, sign: str = "±")
     """Return the torque constants of both motors, each with the nominal one; empty if they are equal.
 
     Args:
-        named: An effect that is named; only those of the motors change these numbers.
+        named: An effect that is named; the text is that of the first one that changes these numbers.
         diagnosis: The diagnosis.
         sign: Sign between a number and its standard error.
     """
     left, right = _constants_N_m_A(diagnosis.fit.robot).tolist()
-    if named.effect.kind.slot is not Slot.MOTORS or left == right:
+    if left == right or named is not next((each for each in diagnosis.named if _changes_them(each, diagnosis)), None):
         return ""
     return sizes_text(("left", "right"), _constants_N_m_A, "N m/A", diagnosis, sign)
+
+
+def _changes_them(named: NamedEffect, diagnosis: Diagnosis) -> bool:
+    """Return whether the fitted robot has other torque constants with this effect than without it."""
+    effect, robot = named.effect, diagnosis.fit.robot
+    if effect.kind.slot is not Slot.MOTORS:
+        return False
+    without = robot.with_effect(effect.kind.null(dict(effect.choices)))
+    return not np.array_equal(_constants_N_m_A(without), _constants_N_m_A(robot))
 
 
 def _constants_N_m_A(robot: RobotConfig) -> Array:
