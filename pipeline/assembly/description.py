@@ -222,11 +222,11 @@ def _images(metadata: Metadata, spec: SceneSpec) -> str:
     ]
     whose = f"Values are those of the camera of data.csv in {spec.key} where they are drawn per run."
     if looks := metadata.scenario.get("looks"):
-        names = ", ".join(plain_text(name) for name in looks)
+        names = ", ".join(plain_text(name) for name in sorted(looks))  # as in the file, whose keys are sorted
         whose = (
-            f"Runs have one of the looks {names}, in side/spec.json of each run. This is the one of {spec.key}: values"
+            f"Each run has one of the looks {names}, which its side/spec.json describes; the values here are those of"
         )
-        whose += " are those of the camera of data.csv in this run."
+        whose += f" the camera of data.csv in {spec.key}."
     return f"## Images\n\n{whose}\n\n{markdown_table(('part', 'value'), rows)}"
 
 

@@ -97,8 +97,8 @@ def test_a_description_of_several_looks_names_all_and_says_whose_values_it_shows
     records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
     text = markdown(describe({**tree, "looks": looks}, specs, records, []), specs[0]).decode()
     images = text[text.index("## Images") : text.index("## Arena")]
-    key = specs[0].key
-    assert f"one of the looks night, lab, in side/spec.json of each run. This is the one of {key}: values" in images
+    assert "Each run has one of the looks lab, night, which its side/spec.json describes;" in images
+    assert f"the values here are those of the camera of data.csv in {specs[0].key}." in images
     assert "| look | night: " in images
     assert "one of the looks" not in described("smoke")
 
