@@ -37,12 +37,12 @@ def test_without_a_change_the_nominal_robot_keeps_its_own_effect(robot, hypothes
 
 
 def test_what_gives_an_effect_of_the_nominal_robot_its_shape_is_not_fitted(robot):
-    sloping = robot.with_effect(FloorSlope(gradient=0.1, direction_rad=2.0))
+    sloping = robot.with_effect(FloorSlope(gradient=0.1, direction_rad=2.0, on_the_spot=0.4))
     candidate = CandidateEffect.on_top_of(sloping, FloorSlope, ())
     assert [coordinate.name for coordinate in candidate.coordinates] == ["gradient"]
-    assert candidate.known == {"direction_rad": 2.0}
+    assert candidate.known == {"direction_rad": 2.0, "on_the_spot": 0.4}
     (slope,) = candidate.on(sloping, {"gradient": 0.03}).effects
-    assert slope.model_dump() == pytest.approx({"gradient": 0.13, "direction_rad": 2.0})
+    assert slope.model_dump() == pytest.approx({"gradient": 0.13, "direction_rad": 2.0, "on_the_spot": 0.4})
 
 
 def test_a_robot_that_has_an_effect_of_one_sensor_cannot_have_it_of_another_too(robot):
