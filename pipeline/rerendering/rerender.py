@@ -337,8 +337,9 @@ def _with_new_arenas(
     for route in routes:
         kept = {key: value for key, value in route.items() if key != "arena"}
         arena = arenas.get(str(route.get("name")))
-        is_own = route.get("arena") and request.arena is None and arena is not None
-        yield kept | ({"arena": arena.model_dump(mode="json")} if is_own else {})
+        if route.get("arena") and request.arena is None and arena is not None:
+            kept["arena"] = arena.model_dump(mode="json")
+        yield kept
 
 
 def _tree(
