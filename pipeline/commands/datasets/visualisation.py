@@ -244,10 +244,11 @@ def contact_sheet(
     from symolo.report.contact_sheet import contact_sheet as sheet_of
 
     with shown_runs(folder, runs) as data:
-        save(sheet_of(data, per_run, width_px, camera or ""), out)
-        note = failed_runs_note(data)
+        sheet = sheet_of(data, per_run, width_px, camera or "")
+        save(sheet, out)
+        count, note = plural(len(data), "run"), failed_runs_note(data)
         further = dict.fromkeys(name for run in data if has_specification(run) for name in run.cameras)
-    typer.echo(str(out))
+    typer.echo(f"{out}: {count}, {sheet.shape[1]} x {sheet.shape[0]} px")
     if further and camera is None:
         typer.echo(f"not shown: the cameras {', '.join(further)}; see one of them with --camera NAME")
     if note:

@@ -445,7 +445,8 @@ def test_a_reader_that_goes_away_is_no_error(symolo):
 
 def test_contact_sheet_shows_every_run(dataset, tmp_path, symolo):
     out = tmp_path / "sheet.png"
-    assert symolo("contact-sheet", dataset, "--out", out, "--per-run", 3, "--width-px", 64).code == 0
+    made = symolo("contact-sheet", dataset, "--out", out, "--per-run", 3, "--width-px", 64)
+    assert (made.code, made.out.strip()) == (0, f"{out}: 2 runs, 192 x 132 px")
     sheet = cv2.imread(str(out))
     assert sheet.shape == (2 * (48 + 18), 3 * 64, 3)
     first = cv2.imread(str(dataset / "CW/test_1/images/000001.jpg"))
