@@ -67,6 +67,11 @@ def _check_own_arena(root: Node, keys: list[str], where: str) -> None:
         raise InputError(f"{arena}: the route has no arena of its own", where=where, cure=cure)
 
 
+def names_camera(text: str) -> bool:
+    """Return whether an override replaces the camera of the look by a named one."""
+    return text.partition("=")[0].strip() == CAMERA and _is_named(text)
+
+
 def replaced_section(text: str) -> str:
     """Return the section that an override replaces by a name or `extends`; empty if it sets fields."""
     name = text.partition("=")[0].strip()
@@ -88,7 +93,7 @@ def check_order(overrides: Sequence[str]) -> None:
     """
     for number, text in enumerate(overrides):
         name, _, value = text.partition("=")
-        replaced = CAMERA if name.strip() == CAMERA and _is_named(text) else replaced_section(text)
+        replaced = CAMERA if names_camera(text) else replaced_section(text)
         lost = next((each for each in overrides[:number] if replaced and _sets(each, replaced)), None)
         if lost is not None:
             raise InputError(

@@ -25,6 +25,7 @@ from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.seen_range import SeenRange
 from diagnosis.nominal_robot import PLAIN_RANGE
 from diagnosis.nuisances import Nuisance
@@ -270,7 +271,7 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not determined by these data"
             seen = f"; seen for {named.seen_for}" if named.ranges else ""
             comments["effects", named.effect.kind.name, name] = f"{source}; {known}{seen}"
-        for name, _ in named.effect.choices:
+        for name in (*dict(named.effect.choices), *(named.known if isinstance(named, NamedEffect) else ())):
             comments["effects", named.effect.kind.name, name] = source
     if diagnosis.random_drift is not None:
         for name, error in diagnosis.random_drift.std.items():

@@ -20,7 +20,7 @@ def lens_faults(scenario: Scenario | SceneSpec) -> Iterator[ConfigFault]:
     """Yield what is wrong with the lens of the camera of data.csv, or hybrid rendering where no lens allows it."""
     camera, render = scenario.robot.camera, scenario.render
     if camera.fisheye is not None and render.method == "hybrid" and "hybrid" not in _further_methods(scenario):
-        allowed, cure = "auto or full", "leave it out: images through a fisheye lens are traced in full"
+        allowed, cure = "auto or full", "write auto: images through a fisheye lens are traced in full"
         against = ("robot", "camera", "fisheye")
         yield ConfigFault(
             ("render", "method"), "it makes pinhole images", "hybrid", allowed, against=against, cure=cure

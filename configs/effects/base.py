@@ -160,7 +160,7 @@ class Effect(Section):
     setups: ClassVar[tuple[Setup, ...]] = tuple(Setup)
     """Measurements in which the diagnosis looks for the effect; in any other one it does not consider it."""
     grows_with_time: ClassVar[bool] = False
-    """Whether the effect grows in proportion to the time, as no error of a numerical integration does."""
+    """Whether the effect grows in proportion to the time; errors of an integration are alike early and late."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it

@@ -28,7 +28,8 @@ class Parameter:
     is_floor: bool = False
     """Whether no sample is below the parameter, so that only the samples show where a fit may start."""
     is_known: bool = False
-    """Whether a fit takes the field's default instead of a value of its own, because no measurement would show it."""
+    """Whether the number has no part in the search for the effect, which takes its default: measurements show it badly
+    or not at all."""
     std: float | None = None
     """Standard error of the start, if the start is a value that was measured before, such as that of a discovered law;
     None if the start is only where a fit begins."""

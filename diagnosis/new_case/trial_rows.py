@@ -15,8 +15,8 @@ IN_TIME = frozenset({CaseKind.DRIVE_LOG, CaseKind.MOTOR_STEP})
 """Kinds whose rows follow each other in time."""
 LONGEST_GAP_S = 3600.0
 """Longest gap within a trial; a longer one is a broken time stamp, or two logs in one file."""
-MAX_STRAY_SHARE = 0.02
-"""Largest share of rows whose times are out of order and that are left out; one row is always left out."""
+MIN_STRAY, MAX_STRAY_SHARE = 3, 0.02
+"""Number of rows whose times are out of order that are left out in any case, and the largest share of them."""
 
 Rows = NDArray[np.int64]
 
@@ -72,12 +72,12 @@ def _kept_rows(t_s: Array, group: Array | None, log: LogFile, notes: list[str]) 
     begins = np.flatnonzero(np.diff(group)) + 1 if group is not None else []
     stray = np.concatenate([stray_rows(part_s) for part_s in np.split(t_s, begins)])
     count = int(np.count_nonzero(stray))
-    if count > max(1.0, MAX_STRAY_SHARE * len(t_s)):
+    if count > max(MIN_STRAY, MAX_STRAY_SHARE * len(t_s)):
         raise InputError(
             f"the times of {count} of {len(t_s)} rows are out of order",
             where=log.where(int(np.argmax(stray))),
             allowed=f"at most {100 * MAX_STRAY_SHARE:g} % of the rows",
-            cure="sort the rows by time, or repair or remove those with a wrong time",
+            cure="repair or remove them",
         )
     if count:
         notes.append(_stray_note(stray, log))

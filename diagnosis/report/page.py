@@ -98,3 +98,6 @@ def _parameter_rows(named: NamedEffect, data: ReportData) -> Iterator[tuple[str,
         unit = numbers[name].unit
         row = (name, quantities.with_error(value, named.std[name]), reach, "" if unit == "1" else unit)
         yield (*row, stated.get(name, "-")) if stated else row
+    for name, value in named.known.items():
+        row = (name, f"{value:.3g}", quantities.ASSUMED, "" if numbers[name].unit == "1" else numbers[name].unit)
+        yield (*row, "-") if stated else row

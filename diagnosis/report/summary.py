@@ -18,7 +18,7 @@ from diagnosis.report.sentences.early_voltages import early_voltage_sentences
 from diagnosis.report.sentences.motors import torque_constants
 from diagnosis.report.sentences.no_name import why_no_name
 from diagnosis.report.sentences.parameters_off import off_sentences
-from diagnosis.report.sentences.quantities import meaning, with_error
+from diagnosis.report.sentences.quantities import ASSUMED, meaning, with_error
 from diagnosis.report.sentences.rows import of_the_log, too_large
 from diagnosis.report.sentences.wheels import wheel_sizes
 from diagnosis.report.verdict import (
@@ -110,6 +110,11 @@ def _not_named(data: ReportData) -> Iterator[str]:
         yield from _entry("your own", f"{tried.name}, {tried.text}")
 
 
+def _assumed(named: NamedEffect) -> Iterator[str]:
+    for name, value in named.known.items():
+        yield from _entry(f"  {name}", f"{value:.3g}; {ASSUMED}")
+
+
 def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterator[str]:
     intervals = data.intervals.get(named.effect.name, {})
     stated = {number.name: f"; its file has {file_numbers.file_number(number, '+-')}" for number in named.file_numbers}
@@ -117,6 +122,7 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
     for name, value in named.values.items():
         interval = f"; {reach(intervals[name])}" if name in intervals else ""
         yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval + stated.get(name, ""))
+    yield from _assumed(named)
     if stated:
         rise = data.rise_with_file[named.effect.name]
         yield from _entry("  its file", file_numbers.comparison(named, rise, ablation.cost_rise))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from configs.overrides import CAMERA
+from configs.overrides import CAMERA, names_camera
 from configs.references import resolve_camera, shipped_names
 from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.scenario import SceneSpec
@@ -28,7 +28,7 @@ def response_warnings(
         after: Runs under the looks, in the order of `before` for each draw.
         overrides: Settings of the user; where one of them replaces the camera, there is nothing to say.
     """
-    if any(text.partition("=")[0].strip() == CAMERA for text in overrides):
+    if any(map(names_camera, overrides)):
         return ()
     replaced: dict[str, list[tuple[CameraLook, CameraLook]]] = {}
     for k, spec in enumerate(after):

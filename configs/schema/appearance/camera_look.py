@@ -17,6 +17,14 @@ def is_one(value: float) -> bool:
     return value == 1
 
 
+BASE_ISO = 100.0
+"""Usual ISO speed without gain."""
+
+
+def is_base(iso: float) -> bool:
+    return iso == BASE_ISO
+
+
 def is_unfiltered(value: ColourFilter) -> bool:
     return value == "none"
 
@@ -30,7 +38,7 @@ class ManualExposure(Section):
 
     iso: float = Field(ge=1, le=1_000_000)
     """ISO speed S, the gain of the sensor: ISO 200 is twice as bright as ISO 100, with more noise."""
-    base_iso: float = Field(default=100.0, ge=1, le=1_000_000)
+    base_iso: float = Field(default=BASE_ISO, ge=1, le=1_000_000, exclude_if=is_base)
     """ISO speed without gain, at which white fills a pixel: `shot_noise` and `read_noise` are those at this speed."""
     f_number: float = Field(default=2.8, ge=0.5, le=64)
     """F-number N of the lens, its focal length over its aperture: f/2.8 is 2.8. It affects only the brightness."""

@@ -25,7 +25,7 @@ class NamedEffect:
     file_numbers: tuple[FileNumber, ...] = ()
     """Numbers that the file of the effect states, such as that of a law; empty for other effects."""
     known: Mapping[str, float] = field(default_factory=dict)
-    """Numbers of the effect that are not fitted with it, as the fitted robot has them."""
+    """Numbers of the effect that no cost judges: defaults, or what they are within their tolerances in the fit."""
 
     @classmethod
     def of(

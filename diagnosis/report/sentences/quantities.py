@@ -66,6 +66,9 @@ UNITLESS_NAMES = {
 }
 """Words and unit of columns whose names have no unit."""
 
+ASSUMED = "assumed, or fitted within its tolerance"
+"""What the report says of a number that has no part in the search for an effect."""
+
 
 def quantity_words(column: str) -> tuple[str, str]:
     """Return a column in words, and its unit; the name itself and an empty unit if they are not known.

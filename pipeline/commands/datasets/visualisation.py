@@ -239,6 +239,7 @@ def contact_sheet(
     Example: symolo contact-sheet data --out sheet.jpg
     """
     from pipeline.run_folder.shown_runs import failed_runs_note, shown_runs
+    from symolo.core.progress import plural
     from symolo.pages.sheet import save
     from symolo.playback.from_run import has_specification
     from symolo.report.contact_sheet import contact_sheet as sheet_of

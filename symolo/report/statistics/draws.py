@@ -52,8 +52,8 @@ def drawn_fields(facts: Sequence[RunFacts], scenario: Mapping[str, Any]) -> tupl
     values: dict[tuple[str, str], list[Value]] = {}
     for run in facts:
         for field, value in run.drawn.items():
-            is_own = field.startswith(START) or (field.startswith(ARENA) and run.route in with_arena)
-            route = run.route if is_own else ""
+            is_own = field.startswith(START) or (field.startswith(ARENA) and run.source_route in with_arena)
+            route = run.source_route if is_own else ""
             values.setdefault((field, route), []).append(value)
     return tuple(
         DrawnField(f"{field} ({route})" if route else field, tuple(run_values), distributions.get((field, route)))

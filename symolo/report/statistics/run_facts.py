@@ -40,6 +40,12 @@ class RunFacts:
     """Smallest and largest value (2, columns) of each table of the sensors of `robot.sensors`, without the time."""
 
     @property
+    def source_route(self) -> str:
+        """Route of the run whose trajectory it has: that of the release that was rendered again, if it was."""
+        release = self.record.origin.release if self.record.origin else None
+        return self.route if release is None else release.run.rpartition("/test_")[0]
+
+    @property
     def route(self) -> str:
         return self.record.run.partition("/")[0]
 

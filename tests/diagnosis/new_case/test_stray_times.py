@@ -70,6 +70,12 @@ def test_a_log_in_which_many_times_are_out_of_order_is_refused(tmp_path):
     assert len(measured(tmp_path, columns).trials) == 1
 
 
+def test_up_to_three_rows_are_left_out_of_a_short_log_too(tmp_path):
+    columns = drive_rows(0.05 * np.arange(100))
+    columns["time_ms"][10:40:10] = -5
+    assert sum(len(trial.t_s) for trial in measured(tmp_path, columns).trials) == 97
+
+
 def test_new_trials_are_noted_with_the_row_of_the_first_and_the_length_of_the_shortest(tmp_path):
     columns = drive_rows(0.05 * np.arange(200))
     columns["time_ms"][150:] -= 7500

@@ -215,7 +215,12 @@ def test_an_effect_of_one_sensor_has_its_interval():
     """The intervals are those of the effect with its choice, such as `tof_range_offset[right]`."""
     effect = CandidateEffect(TofRangeOffset, (("sensor", "right"),))
     named: Any = SimpleNamespace(
-        name=effect.kind.name, effect=effect, values={"offset_m": 0.00287}, std={"offset_m": 1e-4}, file_numbers=()
+        name=effect.kind.name,
+        effect=effect,
+        values={"offset_m": 0.00287},
+        std={"offset_m": 1e-4},
+        known={},
+        file_numbers=(),
     )
     intervals = {effect.name: {"offset_m": (Interval(0.95, 0.00263, 0.00311, is_open=False),)}}
     data: Any = SimpleNamespace(intervals=intervals)

@@ -52,6 +52,13 @@ def test_the_settings_give_the_whole_camera_back(settings, look):
     assert run(look, *settings_of(text)).look.camera == run(*settings).look.camera
 
 
+def test_only_a_camera_that_the_user_names_is_replaced_without_a_word():
+    source, other = [run(*MONOCHROME)], [run("look=lab", "look.camera.vignetting=0.1")]
+    assert len(response_warnings(source, other, ("look.camera={vignetting: 0.1}",))) == 1
+    assert response_warnings(source, other, ("look.camera=phone",)) == ()
+    assert response_warnings(source, other, ("look.camera={extends: phone}",)) == ()
+
+
 def test_a_manual_exposure_of_the_look_is_taken_away_again():
     manual = ("look=lab", "look.camera.exposure_time_s=0.02", "look.camera.manual_exposure={iso: 200, base_iso: 50}")
     grey = ("look.camera.colour_filter=monochrome",)

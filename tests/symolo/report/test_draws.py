@@ -1,5 +1,8 @@
 """Drawn values beside what was asked for, and where their marks stand."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import pytest
 
 from symolo.core.distributions import Choice, LogUniform, Normal, Uniform, in_words
@@ -50,6 +53,14 @@ def test_what_a_route_asks_of_its_own_arena_is_its_own(painted):
     for field, route, asked in ((width, "CW", Uniform(0.01, 0.02)), (f"{width} (CCW)", "CCW", Uniform(0.03, 0.04))):
         assert drawn[field].distribution == asked
         assert drawn[field].values == tuple(value for name, value in widths.items() if name.startswith(f"{route}/"))
+
+
+def test_a_run_that_was_rendered_again_belongs_to_the_route_of_its_trajectory(painted):
+    data = load(painted())
+    release = SimpleNamespace(run="CCW/test_1")
+    record = SimpleNamespace(run="CCW-lab_2/test_1", origin=SimpleNamespace(release=release), drawn={})
+    facts = replace(run_facts(data.runs[0], data.metadata.runs[0], with_path=False), record=record)
+    assert (facts.route, facts.source_route) == ("CCW-lab_2", "CCW")
 
 
 def test_what_another_version_asked_for_is_left_out_and_its_draws_are_not(painted):
