@@ -23,7 +23,7 @@ class FloorSlope(Effect):
     """Creep over the floor per travel of the robot."""
     direction_rad: Angle
     """Direction of the creep in W, counter-clockwise from +x."""
-    on_the_spot: Annotated[float, Parameter("1", null=None, start=1.0, low=0.0, high=1.0, is_known=True)] = 1.0
+    on_the_spot: Annotated[float, Parameter("1", null=None, start=0.5, low=0.0, high=1.0, is_known=True)] = 1.0
     """Creep in a turn on the spot, relative to that on a straight line with as much rolling of the wheels. Tyres creep
     as they roll, so that it is 1; it is 0 for a creep by the way of the middle of the axle alone."""
 

@@ -68,7 +68,7 @@ def test_a_contact_sheet_shows_a_further_camera_by_its_name(made, symolo, tmp_pa
     assert cv2.imread(str(tmp_path / "sheet.png")).shape[1] == 32 * IMAGES[""]
     for name in ("left", "rear"):
         ended = symolo(*sheet, "--camera", name)
-        assert ended.out == f"{tmp_path / 'sheet.png'}\n"
+        assert ended.out == f"{tmp_path / 'sheet.png'}: 1 run, {32 * IMAGES[name]} x {24 + LINE_PX} px\n"
         assert cv2.imread(str(tmp_path / "sheet.png")).shape == (24 + LINE_PX, 32 * IMAGES[name], 3)
     refused = symolo(*sheet, "--camera", "reer")
     assert refused.code == 2
