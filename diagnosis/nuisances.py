@@ -138,8 +138,8 @@ def command_timing() -> Nuisance:
 
 
 CREEP_ON_THE_SPOT = 0.5
-"""Tolerance of the creep in a turn on the spot, relative to that on a straight line: from 1, if tyres creep as they
-roll, to 0, if they creep by the way of the robot. No source says which of them a floor does."""
+"""Tolerance of the creep in a turn on the spot, relative to that on a straight line. It is 1 if tyres creep as they
+roll, and 0 if the robot creeps only while its middle moves; no source says which of them is true for a floor."""
 
 
 def creep_on_the_spot() -> Nuisance:
@@ -149,8 +149,8 @@ def creep_on_the_spot() -> Nuisance:
         present = robot.effects.get(FloorSlope)
         if present is None:
             return robot
-        slope, way, share = present.gradient, present.direction_rad, present.on_the_spot * value
-        return robot.with_effect(FloorSlope.model_construct(gradient=slope, direction_rad=way, on_the_spot=share))
+        changed = {**dict(present), "on_the_spot": present.on_the_spot * value}
+        return robot.with_effect(FloorSlope.model_construct(**changed))
 
     name, lowest = "creep_on_the_spot", -1.0 / CREEP_ON_THE_SPOT
     return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", applied, bounds=(lowest, 0.0))

@@ -76,7 +76,7 @@ def _kept_rows(t_s: Array, group: Array | None, log: LogFile, notes: list[str]) 
         raise InputError(
             f"the times of {count} of {len(t_s)} rows are out of order",
             where=log.where(int(np.argmax(stray))),
-            allowed=f"at most {100 * MAX_STRAY_SHARE:g} % of the rows",
+            allowed=f"at most {100 * MAX_STRAY_SHARE:g} % of the rows, or {MIN_STRAY} in a short log",
             cure="repair or remove them",
         )
     if count:

@@ -25,7 +25,7 @@ class FloorSlope(Effect):
     """Direction of the creep in W, counter-clockwise from +x."""
     on_the_spot: Annotated[float, Parameter("1", null=None, start=0.5, low=0.0, high=1.0, is_known=True)] = 1.0
     """Creep in a turn on the spot, relative to that on a straight line with as much rolling of the wheels. Tyres creep
-    as they roll, so that it is 1; it is 0 for a creep by the way of the middle of the axle alone."""
+    as they roll, so that it is 1. It is 0 if the robot creeps only while the middle of its axle moves."""
 
     def apply(self, creep_m: Array, rolled_m: Array, middle_m: Array) -> Array:
         """Return the creep x, y [m] in W, (..., 2)."""

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from pipeline.baselines.ekf import METHOD, OFFSET_SD_M, updated
-from pipeline.baselines.motion import SHARES_SD, WheelMotion
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from pipeline.baselines.ekf import METHOD, MOUNT_SD_RAD, OFFSET_SD_M, KalmanFilter, updated
+from pipeline.baselines.motion import SHARES_SD, WheelMotion, rolled_distances_m
 from pipeline.baselines.range_model import LASTING_SD_M
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
+from pipeline.baselines.runs import LoggedRun
+from pipeline.stages.simulate import simulate
 from sensors.wheels.odometry import Odometry
 from symolo.evaluation.errors import nees
 
@@ -97,3 +101,21 @@ def test_a_reading_of_something_on_no_map_is_left_aside(before_a_wall):
     start = Start(np.array([BEGIN_X_M, 0.0, 0.0]), np.array([0.003, 0.003, 0.01]))
     given = before_a_wall(np.full((ROWS, 2), WAY_M), disturbed, start)
     assert METHOD.estimate(given, (), NO_RNG).pose[:, 0] == pytest.approx(x_m, abs=0.001)
+
+
+@pytest.mark.parametrize("turn_rad", [-0.01745, 0.01745])
+def test_a_sensor_that_is_turned_in_its_mount_is_found(turn_rad):
+    """The front sensor of the simulator is turned by a degree, which is one of the assumed standard deviations."""
+    turned = f"robot.effects.tof_mount_yaw={{sensor: front, angle_rad: {turn_rad}}}"
+    spec = draw_run(load_scenario("symolo", [turned, "stop={lap: false, time_limit_s: 12}"]), "CCW", 1)
+    run = LoggedRun.of_recording(spec.key, spec, simulate(spec).recording)
+    given = run.knowledge(np.array([0.001, 0.001, 0.002]), np.random.Generator(np.random.PCG64(0)))
+    ekf = KalmanFilter(given)
+    for step in zip(rolled_distances_m(given), np.diff(given.t_s, prepend=0.0), given.ranges_m, strict=True):
+        ekf.predict(*step[:2])
+        ekf.correct(step[2])
+    front = -len(given.map.boxes) - 4  # before the turns of two more sensors, the floor and the boxes
+    sd = np.sqrt(ekf.covariance[front, front])
+    assert sd < 0.4 * MOUNT_SD_RAD
+    assert abs(ekf.state[front] - turn_rad) < 3.0 * sd
+    assert ekf.state[front] * turn_rad > 0.0
