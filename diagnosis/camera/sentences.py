@@ -3,7 +3,7 @@
 from diagnosis.camera.diagnose import CameraAspect, CameraDiagnosis
 from diagnosis.camera.extended_camera import LOOK, ROBOT, left_out, look_file, robot_file
 from diagnosis.camera.fit import NamedParameter
-from diagnosis.report.verdict import listed
+from diagnosis.report.sentences.quantities import listed
 
 RECORD = {
     "pitch_down": "images of lines that cross the view, near and far",

@@ -12,7 +12,8 @@ from diagnosis.next_trial.drive_files import COMMANDS, planned_path, start_text
 from diagnosis.next_trial.expectation import ExpectedNumber
 from diagnosis.next_trial.library.drive_log import expected_paths, floor_text
 from diagnosis.next_trial.models import robots_of
-from diagnosis.report.sentences.no_name import why_no_name
+from diagnosis.report.sentences.quantities import listed
+from diagnosis.report.sentences.verdict.no_name import why_no_name
 from symolo.core.arrays import Array
 
 WIDTH = 118
@@ -74,11 +75,11 @@ def _purpose(design: TrialDesign) -> str:
         effects = names[0].split(" and ")
         only = f"Only {names[0]} remains. This trial determines its parameters"
         if len(effects) > 1:
-            only = f"Only {', '.join(effects[:-1])} and {effects[-1]} remain. This trial determines their parameters"
+            only = f"Only {listed(effects)} remain. This trial determines their parameters"
         return f"{only} as precisely as these limits allow."
-    listed = "; ".join(f"{model.name} ({_percent(model.weight)})" for model in design.models)
+    explanations = "; ".join(f"{model.name} ({_percent(model.weight)})" for model in design.models)
     return (
-        f"{len(names)} explanations of the old data remain: {listed}. This trial separates them as far as "
+        f"{len(names)} explanations of the old data remain: {explanations}. This trial separates them as far as "
         "the limits allow."
     )
 

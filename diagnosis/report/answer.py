@@ -6,7 +6,9 @@ from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.file_numbers import agree
 from diagnosis.report.dataset_comparison import in_json
 from diagnosis.report.report_data import ReportData
-from diagnosis.report.sentences import coupled_wheels, discovered, early_voltages, parameters_off, predictive
+from diagnosis.report.sentences.data import coupled_wheels, early_voltages, predictive
+from diagnosis.report.sentences.effects import discovered
+from diagnosis.report.sentences.verdict import parameters_off
 
 
 def answer(data: ReportData) -> dict[str, object]:

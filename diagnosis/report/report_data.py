@@ -26,12 +26,12 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
 from diagnosis.posterior.random_slip import random_slip
 from diagnosis.prediction_error import UnseenPrediction, predictions
-from diagnosis.report.sentences.coupled_wheels import coupling_sentences
-from diagnosis.report.sentences.random_slip import random_slip_sentences
-from diagnosis.report.sentences.rows import row_sentences
-from diagnosis.report.sentences.run_ends import run_ends
-from diagnosis.report.sentences.sessions import session_sentences
-from diagnosis.report.sentences.unnamed_own_effects import TriedEffect, tried_effects
+from diagnosis.report.sentences.data.coupled_wheels import coupling_sentences
+from diagnosis.report.sentences.data.random_slip import random_slip_sentences
+from diagnosis.report.sentences.data.rows import row_sentences
+from diagnosis.report.sentences.data.run_ends import run_ends
+from diagnosis.report.sentences.data.sessions import session_sentences
+from diagnosis.report.sentences.effects.unnamed_own_effects import TriedEffect, tried_effects
 from diagnosis.report.signatures import Signatures, signatures
 from symolo.core.arrays import Array
 
@@ -200,14 +200,14 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
 def _by_quantity(diagnosis: Diagnosis) -> Iterator[PartGain]:
     evidence = diagnosis.measured
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        yield from _gains(observed.name, of_quantity(evidence, place), diagnosis)
+        yield from _gain_clause(observed.name, of_quantity(evidence, place), diagnosis)
 
 
 def _by_group(diagnosis: Diagnosis) -> Iterator[PartGain]:
     evidence = diagnosis.measured
     names = [trial.name for trial in diagnosis.measurement.trials]
     for group in trial_groups(evidence, names, evidence.heldout):
-        yield from _gains(group.name, evidence.with_rows(heldout=group.rows), diagnosis)
+        yield from _gain_clause(group.name, evidence.with_rows(heldout=group.rows), diagnosis)
 
 
 def _by_case(diagnosis: Diagnosis) -> Iterator[PartGain]:
@@ -215,10 +215,10 @@ def _by_case(diagnosis: Diagnosis) -> Iterator[PartGain]:
     for case in diagnosis.measurement.cases:
         rows = (evidence.trial >= first) & (evidence.trial < first + len(case.trials))
         first += len(case.trials)
-        yield from _gains(case.name, evidence.with_rows(heldout=evidence.heldout & rows), diagnosis)
+        yield from _gain_clause(case.name, evidence.with_rows(heldout=evidence.heldout & rows), diagnosis)
 
 
-def _gains(name: str, evidence: Evidence, diagnosis: Diagnosis) -> Iterator[PartGain]:
+def _gain_clause(name: str, evidence: Evidence, diagnosis: Diagnosis) -> Iterator[PartGain]:
     nominal, adjusted = diagnosis.nominal, diagnosis.selection.nominal
     calibration = gain(evidence, nominal, adjusted.robot, (0.0, adjusted.local_change))
     extension = gain(evidence, nominal, diagnosis.extended, (0.0, diagnosis.fit.local_change))

@@ -12,26 +12,20 @@ from diagnosis.next_trial.template import without_trials
 from diagnosis.report.dataset_comparison import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.report_data import Ablation, ReportData
-from diagnosis.report.sentences import discovered, file_numbers
-from diagnosis.report.sentences.beyond import BEYOND_SENTENCE, beyond_list
-from diagnosis.report.sentences.early_voltages import early_voltage_sentences
-from diagnosis.report.sentences.motors import torque_constants
-from diagnosis.report.sentences.no_name import why_no_name
-from diagnosis.report.sentences.parameters_off import off_sentences
+from diagnosis.report.sentences.data.beyond import BEYOND_SENTENCE, beyond_list
+from diagnosis.report.sentences.data.early_voltages import early_voltage_sentences
+from diagnosis.report.sentences.effects import discovered, file_numbers
+from diagnosis.report.sentences.effects.doubts import log_doubts, size_doubts
+from diagnosis.report.sentences.effects.hints import hints
+from diagnosis.report.sentences.effects.named import certainty, interval_text, random_drift_sentence, to_measure
+from diagnosis.report.sentences.effects.torque_constants import torque_constants
+from diagnosis.report.sentences.effects.wheel_sizes import wheel_sizes
 from diagnosis.report.sentences.quantities import ASSUMED, meaning, with_error
-from diagnosis.report.sentences.rows import of_the_log, too_large
-from diagnosis.report.sentences.wheels import wheel_sizes
-from diagnosis.report.verdict import (
-    certainty,
-    gain_sentences,
-    headline,
-    hints,
-    random_drift_sentence,
-    reach,
-    to_measure,
-    unexplained_sentence,
-    without_effect,
-)
+from diagnosis.report.sentences.verdict.gain import gain_sentences, without_effect
+from diagnosis.report.sentences.verdict.headline import headline
+from diagnosis.report.sentences.verdict.no_name import why_no_name
+from diagnosis.report.sentences.verdict.parameters_off import off_sentences
+from diagnosis.report.sentences.verdict.unexplained import unexplained_sentence
 
 WIDTH = 118
 _LABEL_WIDTH = 22
@@ -120,7 +114,7 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
     stated = {number.name: f"; its file has {file_numbers.file_number(number, '+-')}" for number in named.file_numbers}
     yield named.effect.name
     for name, value in named.values.items():
-        interval = f"; {reach(intervals[name])}" if name in intervals else ""
+        interval = f"; {interval_text(intervals[name])}" if name in intervals else ""
         yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval + stated.get(name, ""))
     yield from _assumed(named)
     if stated:
@@ -136,9 +130,9 @@ def _effect(named: NamedEffect, ablation: Ablation, data: ReportData) -> Iterato
     yield from _entry("  confidence", certainty(named))
     if named.ranges:
         yield from _entry("  seen for", named.seen_for)
-    for text in too_large(named):
+    for text in size_doubts(named):
         yield from _entry("  too large", text)
-    for text in of_the_log(named, data.diagnosis.measurement):
+    for text in log_doubts(named, data.diagnosis.measurement):
         yield from _entry("  doubt", text)
     yield from _entry("  without it", without_effect(ablation, data.diagnosis.fit))
     for name, excitation in to_measure(named):

@@ -20,7 +20,7 @@ from diagnosis.importers import micromouse
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import Measurement
-from diagnosis.report.sentences.discovered import sentences
+from diagnosis.report.sentences.effects.discovered import sentences
 from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
 from pipeline.diagnosing.importers import IMPORTERS
 from sensors.effects.range_sensor.range_signal_weighting import RangeSignalWeighting

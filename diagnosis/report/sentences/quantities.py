@@ -1,5 +1,6 @@
 """Numbers and names in words: a value with its error, a column with its unit, the meaning of an effect."""
 
+from collections.abc import Sequence
 from math import floor, isfinite, log10
 
 from configs.effects.base import Effect
@@ -110,6 +111,11 @@ def with_error(value: float, error: float, between: str = "±") -> str:
     if -4 < decimals < 10 and abs(value) < 1e6:
         return f"{value:.{max(decimals, 0)}f} {between} {error:.{max(decimals, 0)}f}"
     return f"{value:.4g} {between} {error:.2g}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as `a, b and c`."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def confidence(probability: float) -> str:

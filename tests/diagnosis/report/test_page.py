@@ -20,7 +20,7 @@ from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
 from diagnosis.report.page import _parameter_rows, page
 from diagnosis.report.plots.gain import round_ticks
 from diagnosis.report.report_data import shown_structures
-from diagnosis.report.sentences.compared import misfit_caption
+from diagnosis.report.sentences.data.compared import misfit_caption
 from diagnosis.report.sentences.quantities import along
 from diagnosis.report.summary import summary
 from sensors.effects.range_sensor.tof_range_offset import TofRangeOffset
@@ -195,7 +195,7 @@ def test_texts_fit_a_terminal(files_of, name):
 
 def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
     """What is left without an effect and what that effect takes of it make up the whole gain; here the nominal torque
-    constant can be bent as far, which costs, and is said."""
+    constant can deviate as far, which costs, and the page reports it."""
     answered = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
     assert answered["cost_rise"] > 100.0
     assert answered["heldout_gain_ci"][0] <= answered["heldout_gain"] <= answered["heldout_gain_ci"][1]

@@ -24,7 +24,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors import STAGES
-from diagnosis.report.sentences.sessions import session_sentences
+from diagnosis.report.sentences.data.sessions import session_sentences
 from diagnosis.usual_tolerances import usual_wheels
 from sensors.effects.pose_log.marker_yaw import MarkerYaw
 from symolo.core.tables.time_series import TimeSeries

@@ -20,7 +20,7 @@ from diagnosis.predictors import STAGES
 from diagnosis.predictors.wheels import Wheels
 from diagnosis.report.answer import answer
 from diagnosis.report.report_data import report_data
-from diagnosis.report.sentences.coupled_wheels import coupling_sentences
+from diagnosis.report.sentences.data.coupled_wheels import coupling_sentences
 from diagnosis.together import joint_robot, joint_stages, together
 
 EXAMPLE = Path(__file__).parents[4] / "diagnosis" / "examples" / "drive_log_002"

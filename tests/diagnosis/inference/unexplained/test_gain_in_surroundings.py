@@ -9,7 +9,7 @@ import pytest
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import tof_bench
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.report.verdict import unexplained_sentence
+from diagnosis.report.sentences.verdict.unexplained import unexplained_sentence
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 

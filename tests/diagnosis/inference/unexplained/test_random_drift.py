@@ -15,7 +15,8 @@ from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.unexplained.drift import search as module
 from diagnosis.inference.unexplained.drift.random_drift import random_drift
 from diagnosis.report.report_data import report_data
-from diagnosis.report.verdict import effect_sentences, headline
+from diagnosis.report.sentences.effects.named import effect_sentences
+from diagnosis.report.sentences.verdict.headline import headline
 from sensors.effects.range_sensor.range_wander import RangeWander
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")

@@ -11,7 +11,8 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers import tof_bench
 from diagnosis.inference.unexplained.uneven_noise import uneven_noise
 from diagnosis.predictors.base import Covariate, CovariateShape
-from diagnosis.report.verdict import headline, unexplained_sentence
+from diagnosis.report.sentences.verdict.headline import headline
+from diagnosis.report.sentences.verdict.unexplained import unexplained_sentence
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 

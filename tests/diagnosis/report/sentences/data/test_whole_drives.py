@@ -12,14 +12,14 @@ from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.posterior.posterior import posterior
 from diagnosis.posterior.random_slip import random_slip
-from diagnosis.report.sentences.random_slip import random_slip_sentences
-from diagnosis.report.sentences.run_ends import run_ends
+from diagnosis.report.sentences.data.random_slip import random_slip_sentences
+from diagnosis.report.sentences.data.run_ends import run_ends
 from physics.effects.wheels_and_floor.random_slip import RandomSlip
 
 
 @pytest.fixture(scope="module")
 def made():
-    place = Path(__file__).parents[2] / "inference" / "evidence" / "test_whole_runs.py"
+    place = Path(__file__).parents[3] / "inference" / "evidence" / "test_whole_runs.py"
     spec = importlib.util.spec_from_file_location("whole_runs_cases", place)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

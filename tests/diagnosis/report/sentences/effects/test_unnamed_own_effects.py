@@ -8,10 +8,10 @@ import pytest
 from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
-from diagnosis.report.sentences.unnamed_own_effects import tried_effects
+from diagnosis.report.sentences.effects.unnamed_own_effects import tried_effects
 from pipeline.effects.template import template
 
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[5]
 
 
 @pytest.fixture

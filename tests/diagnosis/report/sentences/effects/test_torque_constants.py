@@ -8,14 +8,14 @@ import numpy as np
 import yaml
 
 from configs.schema.robot import RobotConfig
-from diagnosis.report.sentences.motors import torque_constants
+from diagnosis.report.sentences.effects.torque_constants import torque_constants
 from physics.effects.motor_and_gearbox.rotor_inertia_scale import RotorInertiaScale
 from physics.effects.motor_and_gearbox.torque_constant_mismatch import TorqueConstantMismatch
 from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
 from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
 
-NOMINAL = Path(__file__).parents[4] / "configs/robots/nominal.yaml"
+NOMINAL = Path(__file__).parents[5] / "configs/robots/nominal.yaml"
 
 
 def robot(x):

@@ -8,11 +8,11 @@ import numpy as np
 import yaml
 
 from configs.schema.robot import RobotConfig
-from diagnosis.report.sentences.wheels import wheel_sizes
+from diagnosis.report.sentences.effects.wheel_sizes import wheel_sizes
 from physics.effects.motor_and_gearbox.friction_asymmetry import FrictionAsymmetry
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
 
-NOMINAL = Path(__file__).parents[4] / "configs/robots/nominal.yaml"
+NOMINAL = Path(__file__).parents[5] / "configs/robots/nominal.yaml"
 DIAMETER_M, TRACK_M, ASYMMETRY = 0.1, 0.2, -0.03
 
 

@@ -6,7 +6,7 @@ from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.report.sentences.sizes import sizes_text
+from diagnosis.report.sentences.effects.sizes import sizes_text
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
 

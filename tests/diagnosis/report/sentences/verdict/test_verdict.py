@@ -11,18 +11,12 @@ from diagnosis.inference.log_score import LogScoreChange
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.rivals import FORM
 from diagnosis.report.report_data import Ablation
+from diagnosis.report.sentences.effects.hints import hints
+from diagnosis.report.sentences.effects.named import certainty
 from diagnosis.report.sentences.quantities import gain_text
-from diagnosis.report.verdict import (
-    _gains,
-    certainty,
-    gain_sentences,
-    headline,
-    hints,
-    no_effect,
-    nothing_left,
-    unexplained_sentence,
-    without_effect,
-)
+from diagnosis.report.sentences.verdict.gain import _gain_clause, gain_sentences, without_effect
+from diagnosis.report.sentences.verdict.headline import headline, no_effect
+from diagnosis.report.sentences.verdict.unexplained import nothing_left, unexplained_sentence
 
 
 def said(confidence, *others, is_whole=True, rivals=(), by_chance=30.0):
@@ -209,7 +203,7 @@ def test_outliers_in_successive_rows_alone_are_not_called_a_wrong_simulation(nam
 
 def test_a_calibration_that_predicts_worse_gains_nothing():
     """A gain of -0.3 is an error that is 30 % larger."""
-    assert _gains(Gain(-0.3, -0.759, 0.714, 7.71, 10.0, ())) == (
+    assert _gain_clause(Gain(-0.3, -0.759, 0.714, 7.71, 10.0, ())) == (
         "makes the error on the held-out rows 30 % larger (95 % interval of the gain -75.9 % to 71.4 %)"
     )
 
@@ -249,7 +243,7 @@ def test_numbers_that_are_as_far_off_with_an_effect_are_not_said_to_be_so_withou
 def test_a_model_of_which_no_parameter_moved_changes_nothing():
     sizes = np.tile(np.linspace(0.1, 2.0, 250), (2, 1))
     unchanged = gain_of_sizes([(sizes, np.arange(250) // 50)])
-    assert _gains(unchanged) == "changes nothing on the held-out rows"
+    assert _gain_clause(unchanged) == "changes nothing on the held-out rows"
     assert gain_text(unchanged) == "0 % (no change)"
 
 

@@ -11,7 +11,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose
 from diagnosis.predictors.wheels import Wheels
-from diagnosis.report.sentences.compared import quantity_rows, rows_sentence, source_text
+from diagnosis.report.sentences.data.compared import quantity_rows, rows_sentence, source_text
 
 
 def test_all_rows_of_a_drive_are_fitted_held_out_unusable_or_in_a_window(driven_log):

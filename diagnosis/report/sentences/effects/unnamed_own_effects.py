@@ -12,7 +12,7 @@ from diagnosis.inference.naming.file_numbers import cost_with_file_numbers, file
 from diagnosis.inference.selection.candidates import setups_of
 from diagnosis.inference.selection.refusal import refusal
 from diagnosis.inference.selection.scan import scan
-from diagnosis.report.sentences.file_numbers import of_unnamed
+from diagnosis.report.sentences.effects.file_numbers import unnamed_comparison
 from diagnosis.report.sentences.quantities import with_error
 
 
@@ -67,6 +67,6 @@ def _best(diagnosis: Diagnosis, candidates: list[CandidateEffect]) -> TriedEffec
     if stated_numbers := file_numbers(evidence, tried, effect, std):
         stated = ", ".join(f"{number.name} {with_error(number.value, number.std, '+-')}" for number in stated_numbers)
         change = cost_with_file_numbers(evidence, tried, effect) - fit.cost
-        numbers += f". Its file has {stated}; {of_unnamed(change, stated_numbers)}"
+        numbers += f". Its file has {stated}; {unnamed_comparison(change, stated_numbers)}"
     beside = "beside the named effects, " if diagnosis.named else ""
     return TriedEffect(effect.name, f"not named: {beside}{reason}; {numbers}", values, std, drop)

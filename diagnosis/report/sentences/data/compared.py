@@ -10,8 +10,7 @@ from diagnosis.inference.gain import KEPT_SHARE, left_out
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import timing
-from diagnosis.report.sentences.quantities import along, percent
-from diagnosis.report.verdict import listed
+from diagnosis.report.sentences.quantities import along, listed, percent
 
 _MAX_FILES = 4
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.posterior.predictive_check import LEVEL, STATISTICS, CheckedStatistic, _noise, predictive_check
-from diagnosis.report.sentences.predictive import predictive_sentence
+from diagnosis.report.sentences.data.predictive import predictive_sentence
 from symolo.core.random_streams import stream
 
 ROWS = 4000

@@ -9,7 +9,7 @@ import pytest
 from diagnosis.discovery.active_samples import ActiveSamples
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.naming.seen_range import SeenRange
-from diagnosis.report.sentences.discovered import sentences
+from diagnosis.report.sentences.effects.discovered import sentences
 
 NUMBER = SimpleNamespace(name="step_m", unit="m")
 

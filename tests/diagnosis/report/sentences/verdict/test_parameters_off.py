@@ -9,9 +9,9 @@ from scipy.stats import norm
 
 from diagnosis.report.answer import answer
 from diagnosis.report.page import page
-from diagnosis.report.sentences.parameters_off import furthest_by_chance, off_sentences, parameters_off
+from diagnosis.report.sentences.verdict.headline import headline
+from diagnosis.report.sentences.verdict.parameters_off import furthest_by_chance, off_sentences, parameters_off
 from diagnosis.report.summary import summary
-from diagnosis.report.verdict import headline
 
 
 def moved(diagnosis, tolerances):

@@ -13,7 +13,7 @@ from diagnosis.posterior.predictive_check import (
     WIDTH_NAME,
     CheckedStatistic,
 )
-from diagnosis.report.verdict import listed
+from diagnosis.report.sentences.quantities import listed
 
 SLACK_SD = 2.0
 """Standard deviations of the number of statistics that are outside by chance, up to which it counts as chance."""

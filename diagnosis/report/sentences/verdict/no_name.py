@@ -5,6 +5,7 @@ from diagnosis.inference.fitting.hypothesis import deviated
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.refusal import needed
 from diagnosis.nuisances import Nuisance
+from diagnosis.report.sentences.quantities import listed
 
 MIN_MOVED = 1.0
 """Move of a parameter in tolerances from which it is mentioned."""
@@ -30,14 +31,13 @@ def why_no_name(diagnosis: Diagnosis) -> str:
     if not moves:
         return ""
     furthest = sorted(moves, key=lambda move: -abs(move[1]))[:MAX_LISTED]
-    *others, last = [_moved(nuisance, x) for nuisance, x in furthest]
-    listed = f"{', '.join(others)} and {last}" if others else last
+    moved = listed([_moved(nuisance, x) for nuisance, x in furthest])
     known = "Parameters of the nominal robot, which are known only to their tolerances, account for"
     instruments = [f"{n.name} with {INSTRUMENTS[n.name]}" for n, _ in furthest if n.name in INSTRUMENTS]
     how = f": measure {'; '.join(instruments)}" if instruments else ", if some numbers are known better"
     better = f"A nominal.yaml with smaller tolerances would decide{how}."
     if diagnosis.conclusion is CaseVerdict.UNDECIDED:
-        return f"{known} a part of the difference: the fit moves {listed}. {better}"
+        return f"{known} a part of the difference: the fit moves {moved}. {better}"
     best = next((entry for entry in diagnosis.selection.refused if entry.drop > 0.0), None)
     beside = ""
     if best is not None and best.drop < needed(best.effect):
@@ -45,7 +45,7 @@ def why_no_name(diagnosis: Diagnosis) -> str:
             f" Beside that, {best.effect.name} would lower the cost by {best.drop:.1f} only, and a name needs "
             f"{needed(best.effect):.0f}."
         )
-    return f"{known} the difference: the fit moves {listed}. So no effect is named.{beside} {better}"
+    return f"{known} the difference: the fit moves {moved}. So no effect is named.{beside} {better}"
 
 
 def _moved(nuisance: Nuisance, x: float) -> str:

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.selection.stepwise import Entry
-from diagnosis.report.sentences.no_name import why_no_name
+from diagnosis.report.sentences.verdict.no_name import why_no_name
 from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
 
 

@@ -35,7 +35,7 @@ def comparison(named: NamedEffect, rise_if_held: float, rise_without: float) -> 
     return f"{refused}. {held[0].upper()}{held[1:]}; without the effect, by {cost(rise_without)}"
 
 
-def of_unnamed(change: float, numbers: Sequence[FileNumber]) -> str:
+def unnamed_comparison(change: float, numbers: Sequence[FileNumber]) -> str:
     """Return what data in which an effect is not named say about the numbers of its file, as a clause.
 
     Args:

@@ -1,4 +1,4 @@
-"""Sentences about single rows of a bench, delays of one row, and effects that are too large for any robot."""
+"""Sentences about single rows of a bench: those in which the motor stands still, and those left out of the fit."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,13 +8,8 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
 from diagnosis.inference.fitting.fit import HypothesisFit
-from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.selection.plausible import beyond
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
-from diagnosis.measured.measurement import CaseKind, Measurement
-
-ONE_ROW = 0.05
-"""Difference of a delay from one row, as a share of it, up to which the order of the columns explains it."""
+from diagnosis.measured.measurement import CaseKind
 
 
 def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
@@ -38,53 +33,6 @@ def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
             yield (
                 f"If each row is left out of the fit once, its {name} is wrong by {before[name]:.3g} {unit} (root mean "
                 f"square) with the nominal robot and its fitted parameters{extended}."
-            )
-
-
-def too_large(named: NamedEffect) -> list[str]:
-    """Return why a named effect is too large to be real; empty if it is not."""
-    return [
-        f"{excess.parameter} {excess.value:.3g} +- {excess.std:.2g} is beyond {excess.limit:g}, and no such robot is "
-        f"known: {excess.why}"
-        for excess in beyond(named.effect.kind, named.values, named.std)
-    ]
-
-
-def of_the_log(named: NamedEffect, measurement: Measurement) -> list[str]:
-    """Return how the rows of a step log may mislead about a delay or a lag; empty for other effects."""
-    if measurement.kind is not CaseKind.MOTOR_STEP:
-        return []
-    row_s = float(np.median(np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])))
-    return [*_of_the_order(named, row_s), *_between_rows(named, measurement, row_s)]
-
-
-def _of_the_order(named: NamedEffect, row_s: float) -> Iterator[str]:
-    """Yield why a delay of the voltage may be the order of the columns."""
-    if named.name == "input_delay" and abs(named.values["delay_s"] - row_s) <= ONE_ROW * row_s:
-        yield (
-            f"the delay is one row of the log, {1e3 * row_s:.3g} ms, as if the voltage of each row were held until the "
-            "next row; if the log states it so, the robot has no delay: give u_cmd_V held: after_row in the mapping of "
-            "`symolo case init`"
-        )
-
-
-def _between_rows(named: NamedEffect, measurement: Measurement, row_s: float) -> Iterator[str]:
-    """Yield the error of a time if the voltage changes at any time between two rows, where it is the larger one.
-
-    The time of each change is then uniform over a row, which has a standard deviation of a row over the root of 12.
-    """
-    changes = sum(
-        int(np.count_nonzero((np.diff(trial["u_cmd_V"].values) != 0.0) & ~trial.holdout[1:]))
-        for trial in measurement.trials
-    )
-    times = [each.name for each in named.effect.coordinates if each.is_time and each.null is not None]
-    error_s = row_s / np.sqrt(12.0 * max(changes, 1))
-    for name in times:
-        if changes and named.std[name] < error_s:
-            yield (
-                f"the standard error of {name} counts the noise of the readings alone; if the voltage changes at any "
-                f"time between two rows of {1e3 * row_s:.3g} ms, and not with the rows, its {changes} changes leave an "
-                f"error of about {1e3 * error_s:.2g} ms; in addition, all of them may be stated up to a row late"
             )
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from diagnosis.inference.evidence.sessions import FittedError
-from diagnosis.report.sentences import sessions
+from diagnosis.report.sentences.data import sessions
 
 KIND = {
     "marker_yaw": "angle_rad",
