@@ -85,6 +85,7 @@ TESTS = {
         f"{ARENAS}::test_the_line_passes_a_start_that_is_one_of_several_places_and_not_between_them",
         f"{ARENAS}::test_ranges_for_which_no_arena_fits_are_refused_with_the_reason",
     ),
+    "sensors/camera/metering.py": ("tests/sensors/camera/test_response.py",),
     "sensors/camera/response.py": ("tests/sensors/camera/test_response.py", "tests/sensors/camera/test_mosaic.py"),
     "symolo/core/geometry/pinhole.py": ("tests/sensors/camera/test_pinhole.py", "tests/symolo/core/test_fisheye.py"),
     "diagnosis/inference/gain.py": (f"{INFERENCE}/test_gain.py",),

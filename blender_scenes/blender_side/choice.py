@@ -8,7 +8,7 @@ from blender_scenes.blender_side.engine import FrameTracer, metered_light
 from blender_scenes.blender_side.measured_images import Probe
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.probe import PROBE, decide, read_decision, to_json
-from sensors.camera.response import median_luminance
+from sensors.camera.metering import median_luminance
 from symolo.core.files.atomic_files import write_file
 
 

@@ -14,8 +14,8 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.lost_light import lost_light_factor
 from sensors.camera.colour import as_measured
 from sensors.camera.lens_warp import field_of_view, pinhole_image, through_lens
-from sensors.camera.metering import metered_views, metering_camera
-from sensors.camera.response import median_luminance, white_level
+from sensors.camera.metering import median_luminance, metered_views, metering_camera
+from sensors.camera.response import white_level
 from sensors.camera.rolling_shutter import rolling_shutter_shift
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView

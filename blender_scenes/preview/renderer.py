@@ -17,8 +17,8 @@ from blender_scenes.scene.typical import typical_color
 from configs.assets.images import read_image
 from sensors.camera.colour import as_measured
 from sensors.camera.lens_warp import pinhole_image, through_lens
-from sensors.camera.metering import metered_views, metering_camera
-from sensors.camera.response import develop, median_luminance
+from sensors.camera.metering import median_luminance, metered_views, metering_camera
+from sensors.camera.response import develop
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.pinhole import Intrinsics

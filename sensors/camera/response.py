@@ -17,6 +17,7 @@ from pydantic import Field
 
 from configs.schema.appearance.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
 from sensors.camera.colour import LUMINANCE, RGB, as_measured, light_rgb
+from sensors.camera.metering import automatic_gain
 from sensors.camera.mosaic import colours, demosaiced, mosaic
 from sensors.camera.optics import blurred, defocused, integrated_over_pixel, with_veiling_glare
 from sensors.camera.post_processing import denoised, sharpened
@@ -26,9 +27,6 @@ from symolo.core.random_streams import stream
 _MIN_SHARE = 0.02
 """Minimum share of a component in the light of the white balance, which keeps gains below 50. Light of 1900 K has no
 blue."""
-_BURNT_SHARE = 0.04
-_DARKEST = 1e-3
-"""Minimum brightness of a frame, relative to the run, to which the exposure adapts."""
 _KNEE = 0.6
 """Value above which the tone curve is flatter than that of sRGB, to keep detail in the highlights."""
 _WHITE = 254.6 / 255
@@ -139,22 +137,6 @@ def _manual_gain(look: CameraLook) -> float:
     return exposure_kilo * look.manual_exposure.iso / 78.0 * 2.0**look.compensation_ev
 
 
-def median_luminance(light: FloatImage) -> float:
-    """Return the metered value of linear light (..., 3).
-
-    Raises:
-        ValueError: No light reaches what the camera sees.
-    """
-    median = _median_luminance(light)
-    if not median > 0:
-        raise ValueError("the image is black: no light reaches what the camera sees; give the look a lamp or a sky")
-    return median
-
-
-def _median_luminance(light: FloatImage) -> float:
-    return float(np.median(light @ LUMINANCE.astype(np.float32)))
-
-
 def white_level(metered: float, response: CameraResponse) -> float:
     """Return the luminance that the exposure of a run renders white; `metered` is the median of the run."""
     return 1.0 / response.manual_gain if response.manual_gain else metered / response.brightness
@@ -186,19 +168,11 @@ def develop(
     """
     height, width, _ = light.shape
     light = _through_glass(light, response)
-    gain = response.manual_gain or _automatic_gain(light if field is None else light[field], response, metered)
+    gain = response.manual_gain or automatic_gain(
+        light if field is None else light[field], metered, response.brightness, response.exposure_adaption
+    )
     raw = light * np.float32(gain) * _transmitted(width, height, response)[..., None]
     return (_grey_values(_balanced(raw, response, number), response) + 0.5).astype(np.uint8)
-
-
-def _automatic_gain(seen: FloatImage, response: CameraResponse, metered: float) -> float:
-    """Return the gain of automatic exposure for the light (..., 3) of a frame."""
-    share = response.exposure_adaption
-    frame_median = max(_median_luminance(seen), _DARKEST * metered)
-    # The mean is geometric, because exposures are ratios. The gain is then limited, so that few pixels are overexposed.
-    median = metered ** (1 - share) * frame_median**share
-    highlights = float(np.quantile(seen @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
-    return min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
 
 
 def develop_part(light: FloatImage, response: CameraResponse, metered: float, number: int | None) -> FloatImage:

@@ -21,7 +21,8 @@ from benchmarks.render.contenders.child_side import ProcessArguments, RenderFram
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.probe import PROBE, Candidate, ImageErrors, decide, to_json
 from blender_scenes.render.sampling import HybridSamples
-from sensors.camera.response import develop, encode_jpeg, median_luminance
+from sensors.camera.metering import median_luminance
+from sensors.camera.response import develop, encode_jpeg
 from sensors.camera.views import FrameView
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.exr import read_exr

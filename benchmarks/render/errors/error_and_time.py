@@ -40,7 +40,8 @@ from blender_scenes.render.sampling import (
     tracing_settings,
 )
 from configs.schema.scenario import Render, RenderQuality
-from sensors.camera.response import develop, encode_jpeg, median_luminance
+from sensors.camera.metering import median_luminance
+from sensors.camera.response import develop, encode_jpeg
 
 BLENDERPROCS = {**BLENDERS_DEFAULT, "samples": 1024, "use_adaptive_sampling": True, "adaptive_threshold": 0.01}
 

@@ -44,7 +44,8 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import hybrid_samples, tracing_settings
 from blender_scenes.render.standard_error import standard_error
 from configs.schema.scenario import Render
-from sensors.camera.response import develop_part, median_luminance
+from sensors.camera.metering import median_luminance
+from sensors.camera.response import develop_part
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array, FloatImage
 from symolo.core.geometry.pinhole import Intrinsics, project

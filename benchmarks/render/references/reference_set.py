@@ -12,7 +12,7 @@ from benchmarks.render.references.views import Views
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.image_errors import ImageError, image_error
 from blender_scenes.render.light_paths import LIGHT_PATHS
-from sensors.camera.response import median_luminance
+from sensors.camera.metering import median_luminance
 from symolo.core.arrays import FloatImage
 
 _FIRST_SAMPLES, _CERTAIN = 128, 0.1

@@ -19,7 +19,8 @@ from blender_scenes.scene.shading import Color, Constant, Mix, NoiseTexture, Ste
 from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
 from configs.schema.scenario import Render
-from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
+from sensors.camera.metering import median_luminance
+from sensors.camera.response import CameraResponse, develop, encode_jpeg
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC, project
 from symolo.core.geometry.poses import PlanarPose, pose_X_WR

@@ -8,6 +8,7 @@ from pydantic import TypeAdapter
 
 from configs.schema.appearance.look import CameraLook
 from sensors.camera.colour import light_rgb
+from sensors.camera.metering import median_luminance
 from sensors.camera.response import (
     CameraResponse,
     corner_share,
@@ -15,7 +16,6 @@ from sensors.camera.response import (
     develop_part,
     encode_jpeg,
     inverse_tone,
-    median_luminance,
     tone,
     white_level,
 )
