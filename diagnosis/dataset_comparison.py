@@ -22,7 +22,7 @@ from symolo.core.errors import InputError
 CHANNELS = ("u_left_V", "u_right_V", "tof_front_m", "tof_left_m", "tof_right_m")
 """Channels that are compared as logged, in addition to what the stages observe."""
 MIN_SAMPLES = 10
-"""Least number of samples for a comparison."""
+"""Smallest number of samples for a comparison."""
 BLOCKS = 12
 """Blocks of a log whose medians give the standard error of its median."""
 MAX_STANDARD_ERRORS = 2.0

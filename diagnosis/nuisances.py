@@ -65,7 +65,7 @@ class Nuisance:
     """(N,), change of each sample by one tolerance, of a parameter that only some of the rows have, such as those of a
     session; None for parameters of the robot."""
     bounds: tuple[float, float] = field(default=(-inf, inf), kw_only=True)
-    """Least and greatest deviation, in tolerances."""
+    """Smallest and largest deviation, in tolerances."""
     rest: Array | None = field(default=None, compare=False, repr=False)
     """(N,), change of each sample that the multiple of `change` lacks at any size; None for none."""
 

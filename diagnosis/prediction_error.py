@@ -42,7 +42,7 @@ that lie inside the range of each one."""
 MARGIN = 0.1
 """Distance from the range, relative to its size, up to which a run counts as inside for a warning."""
 MIN_SHARE = 0.01
-"""Least share of the samples outside the range that is worth a warning."""
+"""Smallest share of the samples outside the range that is worth a warning."""
 UNDETERMINED = 1.0
 """Standard deviation, in coordinates of the fit, of a parameter that the data do not determine."""
 
@@ -209,8 +209,8 @@ def _distance(
     }
     for observed, predicted in zip(inputs.observed, predictions, strict=True):
         size = f"{SIZE} in {observed.name}"
-        if (most := largest.get(observed.name, 0.0)) > 0.0:
-            seen[size] = (0.0, most)
+        if (highest := largest.get(observed.name, 0.0)) > 0.0:
+            seen[size] = (0.0, highest)
         change = np.nan_to_num(np.abs(predicted.mean[0] - predicted.mean[1]))
         covariates = (*conditions(observed, readings), (size, change))
         present = [(name, of_rows) for name, of_rows in covariates if name in seen]

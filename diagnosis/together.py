@@ -99,7 +99,7 @@ def joint_robot(measurement: Measurement, base_robot: RobotConfig) -> RobotConfi
 
 
 def joint_nuisances(measurement: Measurement, robot: RobotConfig, evidence: Evidence) -> tuple[Nuisance, ...]:
-    """Return the nuisances of the robot with their least tolerance in any case, and those of single cases.
+    """Return the nuisances of the robot with their smallest tolerance in any case, and those of single cases.
 
     Args:
         measurement: Several cases as one measurement.

@@ -45,7 +45,7 @@ def main() -> None:
 
 
 def watched(command: list[str]) -> tuple[list[float], list[float]]:
-    """Run a command to its end; resident memory [MB] of it and of its greatest child, every `SAMPLE_S`."""
+    """Run a command to its end; resident memory [MB] of it and of its largest child, every `SAMPLE_S`."""
     command_MB, worker_MB = [], []
     process = subprocess.Popen(command)
     while process.poll() is None:
@@ -79,7 +79,7 @@ def report(out: Path, laps: int, seconds: float) -> None:
 def report_memory(command_MB: list[float], worker_MB: list[float]) -> None:
     """Means over the first and the last fifth of the time, and the peak."""
     fifth = max(1, len(command_MB) // 5)
-    for name, values in (("command", command_MB), ("greatest worker", worker_MB)):
+    for name, values in (("command", command_MB), ("largest worker", worker_MB)):
         first, last = mean(values[:fifth]), mean(values[-fifth:])
         print(
             f"memory of the {name}: {first:.0f} MB in the first fifth, {last:.0f} in the last, peak {max(values):.0f}"

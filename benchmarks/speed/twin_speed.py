@@ -47,7 +47,7 @@ def main() -> None:
     simulated_s, per_trial_s = PROFILE.rows[-1][0], median(engine_s)
     print(f"{arguments.robot}: {simulated_s:g} s, medians of {arguments.repeats}")
     print(f"PyBullet at 1 ms: {per_trial_s:.3f} s, {simulated_s / per_trial_s:.0f} x real time")
-    print("twin: step [ms]  trials  per trial [ms]  x real time  x PyBullet  greatest distance from PyBullet")
+    print("twin: step [ms]  trials  per trial [ms]  x real time  x PyBullet  largest distance from PyBullet")
     for (step_s, trials), seconds in twin_s.items():
         each = median(seconds) / trials
         print(

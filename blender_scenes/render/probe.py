@@ -126,7 +126,7 @@ class ImageErrors:
         return float(max(predicted_dB, self.largest_dB))
 
     @property
-    def least(self) -> Self:
+    def lower_limits(self) -> Self:
         """Return the lower confidence limits (95 %) of the errors, without noise."""
         quantile = NormalDist().inv_cdf(1 - _ERROR_PROBABILITY)
         lower = (error - quantile * sd for error, sd in zip(self.rendering, self.standard_error, strict=True))
@@ -254,7 +254,7 @@ def decide(job_sha256: str, hybrid: HybridSamples | None, images: int, measure: 
         if _needs_more(samples, errors, images * saved):
             samples *= 2
         else:
-            place = _first_small(errors.least, place)
+            place = _first_small(errors.lower_limits, place)
         errors = measure(LADDER[place], samples)
     return Decision(job_sha256, None, LADDER[place], errors, samples)
 
@@ -295,7 +295,7 @@ def _needs_more(samples: int, errors: ImageErrors, saved: int) -> bool:
 
 def _is_open(errors: ImageErrors) -> bool:
     """Return whether an error may be small but for the noise of the references."""
-    return errors.least.excess <= 1 < errors.excess
+    return errors.lower_limits.excess <= 1 < errors.excess
 
 
 def _is_worth(samples: int, errors: ImageErrors, saved: int) -> bool:

@@ -24,7 +24,7 @@ _TOLERANCE = 1e-5
 
 @dataclass(frozen=True)
 class _Limit:
-    """A clearance and the least value with which the robot touches nothing."""
+    """A clearance and the smallest value with which the robot touches nothing."""
 
     name: str
     got_m: float

@@ -18,9 +18,9 @@ class EffectRange(Section):
     quantity: Literal["v_m_s", "w_rad_s", "wheel_speed_rad_s", "voltage_V", "current_A", "tof_m"]
     """Speed or yaw rate of the robot, speed, voltage or current of a wheel, or reading of a range sensor."""
     low: Observation
-    """Least value at which the effect was observed, in the unit at the end of the quantity's name."""
+    """Smallest value at which the effect was observed, in the unit at the end of the quantity's name."""
     high: Observation
-    """Greatest value at which the effect was observed."""
+    """Largest value at which the effect was observed."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

@@ -33,7 +33,7 @@ MAX_PATCHES = 1500
 MAX_EDGES = 400
 MIN_PATCHES, MIN_EDGES = 60, 30
 MIN_GAIN = 0.1
-"""Least gain on held-out images of an aspect in which a parameter may be named."""
+"""Smallest gain on held-out images of an aspect in which a parameter may be named."""
 MAX_MOVED_S = 0.002
 """Time over which the speed of the image is measured."""
 
@@ -230,7 +230,7 @@ def _sharpness_model(view: CameraView, edges: LineEdges, images: list[ImagePixel
     motion = CameraView(case, later).pixels(edges) - view.pixels(edges)
     speed = (motion * edges.outwards).sum(axis=1) / MAX_MOVED_S
     outside = np.median(values[:, along > 0.6 * REACH_PX])
-    # The level of the line is read in the middle where it is widest, because blur mixes in the least floor there.
+    # The level of the line is read in the middle where it is widest, because blur mixes in least of the floor there.
     widest = np.argsort(edges.width_px)[-max(5, len(values) // 5) :]
     deepest = np.argmin(np.abs(along[None, :] + 0.5 * edges.width_px[widest, None]), axis=1)
     inside = np.median(values[widest, deepest])

@@ -54,7 +54,7 @@ CostOfSet = Callable[[tuple[int, ...]], float]
 
 @dataclass(frozen=True)
 class QuadraticCost:
-    """The cost around `at`: least - 2 g d + d H d with d = x - at, with the nuisances of the images at their best."""
+    """The cost around `at`, cost - 2 g d + d H d with d = x - at, with the nuisances of the images at their best."""
 
     at: Array
     """(P,), deviations in tolerances."""
@@ -62,14 +62,14 @@ class QuadraticCost:
     """(P, P), half the second derivatives of the cost."""
     g: Array
     """(P,), minus half the slope of the cost at `at`."""
-    least: float
+    cost: float
     """Cost at `at`, without priors of the parameters."""
 
     def solved(self, prior: Array) -> tuple[Array, float]:
         """Return the best x (P,) with a prior of these weights (P,), and its cost."""
         x = np.linalg.solve(self.H + np.diag(prior), self.H @ self.at + self.g)
         d = x - self.at
-        return x, float(self.least - 2.0 * self.g @ d + d @ self.H @ d + prior @ x**2)
+        return x, float(self.cost - 2.0 * self.g @ d + d @ self.H @ d + prior @ x**2)
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ def _quadratic(model: CameraModel, x: Array, frame_slopes: Array, sd: float, ind
     z = without_frame_effects(model, residuals, frame_slopes, sd, independent_share) / sd
     weight = independent_share * robust_weight(np.where(np.isfinite(z), z, 0.0)) / sd**2
     good = np.isfinite(residuals) & np.isfinite(slopes).all(axis=1) & model.fit
-    H, g, least = np.zeros((len(x), len(x))), np.zeros(len(x)), 0.0
+    H, g, cost = np.zeros((len(x), len(x))), np.zeros(len(x)), 0.0
     for frame in np.unique(model.frame[good]):
         here = good & (model.frame == frame)
         A, B, r, w = slopes[here], frame_slopes[here], residuals[here], weight[here]
@@ -230,8 +230,8 @@ def _quadratic(model: CameraModel, x: Array, frame_slopes: Array, sd: float, ind
         wA, wr = w[:, None] * A, w * r
         H += A.T @ wA - wA.T @ B @ inner @ B.T @ wA
         g += A.T @ wr - wA.T @ B @ inner @ B.T @ wr
-        least += float(r @ wr - (B.T @ wr) @ inner @ (B.T @ wr))
-    return QuadraticCost(x, H, g, least)
+        cost += float(r @ wr - (B.T @ wr) @ inner @ (B.T @ wr))
+    return QuadraticCost(x, H, g, cost)
 
 
 def without_frame_effects(

@@ -12,7 +12,7 @@ from symolo.pages.plotting import BLUE, GREY, VERMILION, finished, png
 FRAMES = 3
 """Largest number of images in the plot of the edges."""
 MIN_EDGES = 5
-"""Least number of edges in such an image."""
+"""Smallest number of edges in such an image."""
 MEASURED = "#F0E442"
 CHANNELS = {"red": "#CC3311", "green": "#228833", "blue": "#4477AA"}
 

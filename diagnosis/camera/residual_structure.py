@@ -18,7 +18,7 @@ from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, f_test
 from symolo.core.arrays import Array
 
 MIN_SHARE = 0.08
-"""Least share of the variance of the residuals that a dependence explains."""
+"""Smallest share of the variance of the residuals that a dependence explains."""
 DEGREE = 4
 
 

@@ -39,8 +39,8 @@ class ActiveSamples:
         counts = [np.count_nonzero(acts[place]) for place in evidence.places]
         if not any(counts):
             return None
-        most = int(np.argmax(counts))
-        place, values = evidence.places[most], values_of(evidence.observed[most])
+        largest = int(np.argmax(counts))
+        place, values = evidence.places[largest], values_of(evidence.observed[largest])
         here, fitted, heldout = acts[place], evidence.fit[place], evidence.heldout[place]
         ranges = []
         for name in covariates:

@@ -17,7 +17,7 @@ from symolo.core.arrays import Array
 from symolo.core.geometry.poses import PlanarPose
 
 MIN_SHARE = 0.05
-"""Least share of a motor's inertia and friction that remains when those of the body are subtracted."""
+"""Smallest share of a motor's inertia and friction that remains when those of the body are subtracted."""
 TWIN_STEP_S = 0.005
 
 

@@ -75,5 +75,5 @@ def _single(statistics: UnitStatistics, unit: int) -> Sums:
 
 
 def _best(values: Array) -> int:
-    """Return the first of the greatest values, which may differ by rounding errors."""
+    """Return the first of the largest values, which may differ by rounding errors."""
     return int(np.argmax(values >= values.max() - MIN_RISE * max(1.0, abs(float(values.max())))))

@@ -118,7 +118,7 @@ class Observed:
     correlation: float | None
     """Correlation of the noise of successive samples; None if it must be estimated from the residuals."""
     correlation_at_most: float = field(default=1.0, kw_only=True)
-    """Greatest correlation that an estimate may give."""
+    """Largest correlation that an estimate may give."""
     shared: SharedReading | None = field(default=None, kw_only=True)
     """The reading that samples share with later ones; None if there is none."""
     readings: int = field(default=1, kw_only=True)

@@ -113,10 +113,10 @@ class CountNoise:
         largest = stated / np.hypot(1.0, MIN_TORQUE_RATIO)
         return cls(np.minimum(rounding, largest), goes_on, known, float(np.clip(keep, *KEEP_LIMITS)), stated)
 
-    def torques(self, least: float, most: float, count: int) -> Array:
-        """Return levels of the random torque with which a speed has `least` to `most` times the stated noise."""
+    def torques(self, low: float, high: float, count: int) -> Array:
+        """Return levels of the random torque with which a speed has `low` to `high` times the stated noise."""
         rounding = float(np.median(self.rounding))
-        low, high = (max((x * self.stated) ** 2 - rounding**2, 0.0) ** 0.5 for x in (least, most))
+        low, high = (max((x * self.stated) ** 2 - rounding**2, 0.0) ** 0.5 for x in (low, high))
         lowest = MIN_TORQUE_RATIO * rounding
         return np.geomspace(max(low, lowest), max(high, lowest), count)
 

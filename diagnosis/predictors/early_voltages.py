@@ -23,7 +23,7 @@ SHAPES = np.array([[0.0, 0.0], [0.25, 0.75], [1.0, 1.0]])
 and all of it from the beginning on."""
 
 MIN_LAG = 1e-6
-"""Least time constant of a motor in rows; a motor without inertia follows its voltage at once."""
+"""Smallest time constant of a motor in rows; a motor without inertia follows its voltage at once."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ SLOTS = MOVING | {Slot.LINE_READING, Slot.LINE_LIMIT}
 FLOOR_SD, TAPE_SD = 0.05, 0.03
 """Tolerances of the reflectances of floor and tape: shipped scenarios draw them for each run."""
 MAX_ROWS = 500
-"""Greatest number of rows that are predicted, evenly spaced. The eight channels of 500 rows are 4000 samples, more than
+"""Largest number of rows that are predicted, evenly spaced. The eight channels of 500 rows are 4000 samples, more than
 all other stages have, and more rows would take longer."""
 SHARED = 0.5
 """Correlation that stands for the noise of the pose which readings share: successive rows by the smoothing, and the
@@ -53,7 +53,7 @@ class _Readings:
     free: Array
     """Readings of a converter without limits."""
     limits: tuple[float, float]
-    """Least and greatest reading."""
+    """Smallest and largest reading."""
     sd: Array
     ink: Array
     """Shares of the spots on the tape."""

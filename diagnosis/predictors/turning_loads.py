@@ -14,7 +14,7 @@ from symolo.core.arrays import Array
 TURNING = "turn_rad_s"
 """Name of the covariate with the rate of turning."""
 MIN_TURN = 0.1
-"""Least difference of the wheels' speeds that counts as a turn, as a share of the largest speed."""
+"""Smallest difference of the wheels' speeds that counts as a turn, as a share of the largest speed."""
 ABRUPT = 0.02
 """Share of the largest speed or rate at which a friction has three quarters of its size."""
 

@@ -60,7 +60,7 @@ UNSTATED_RAD_S = 0.05
 PARTS_OF_ROW = (1, 2, 4, 8, 16)
 """Numbers of parts into which a row may be divided if its voltage changes within it; the last is taken as exact."""
 MIN_INERTIA_KG_M2 = 1e-12
-"""Least inertia; a motor without inertia follows its voltage at once."""
+"""Smallest inertia; a motor without inertia follows its voltage at once."""
 ERROR_SHARE = 0.1
 """Error by the division that does not matter, as a share of the noise."""
 DEAD_ZONES = tuple(np.geomspace(0.01, 0.16, 25).tolist())

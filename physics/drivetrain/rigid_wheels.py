@@ -27,7 +27,7 @@ TOLERANCE = 2e-3
 TOLERANCE_SHARE = 0.1
 """Share of the tolerance for the second prediction of the end of a step, before it is divided."""
 MAX_RELIEF, MAX_DAMPING = 0.98, 20.0
-"""Greatest part of a motor's damping that the slope of a torque may take away, and greatest multiple that it may add;
+"""Largest part of a motor's damping that the slope of a torque may take away, and largest multiple that it may add;
 the battery and the time change the torque as well, without the speed."""
 PARTS = 4
 MAX_DEPTH = 6

@@ -21,7 +21,7 @@ _LEVEL = 0.1
 _ON_FLOOR_M = 0.006
 """Height of the lowest point of a caster above the floor, as in files with a little play."""
 _MIN_TRACK_M, _MAX_RISE = 1e-3, 0.05
-"""Least distance of the wheels, and the largest difference of their heights as a share of it."""
+"""Smallest distance of the wheels, and the largest difference of their heights as a share of it."""
 _SIDE_BY_SIDE = "two wheels side by side, on one level axle"
 _WHEEL_M = (0.001, 1.0)
 """Radius or diameter of a wheel that a plug-in may state."""

@@ -30,7 +30,7 @@ TIMEOUT = "5m"
 LIST_S = 600.0
 """Longest time for a thousand entries of a listing; each answer is limited by `TIMEOUT`, but a row of them is not."""
 MAX_OBJECTS = 3_000_000
-"""Greatest number of files of a release. A list of checksums of the largest size that is read names about as many."""
+"""Largest number of files of a release. A list of checksums of the largest size that is read names about as many."""
 MAX_OBJECT_BYTES = FileKind.ANY.max_bytes
 
 KEYS = {

@@ -58,8 +58,8 @@ def _of(
 
     Args:
         name: Parameter of the effect.
-        low: Least distance from `null`.
-        high: Greatest distance.
+        low: Smallest distance from `null`.
+        high: Largest distance.
         null: Value without the effect.
         signs: Whether the value may be below `null` too.
         choice: Name of another parameter, and the words of which one is drawn for it.

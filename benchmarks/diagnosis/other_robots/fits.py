@@ -45,8 +45,8 @@ class Problem:
         white = self.whiten(target[None] - self.predict(keys, thetas))
         return np.concatenate([white, thetas[:, : self.nominal]], axis=1)
 
-    def least(self, target: Array, keys: list[Key], start: Array, rounds: int | None = None) -> float:
-        """Return the least weighted sum of squares near `start` (Levenberg-Marquardt, several dampings at once)."""
+    def minimum(self, target: Array, keys: list[Key], start: Array, rounds: int | None = None) -> float:
+        """Return the smallest weighted sum of squares near `start` (Levenberg-Marquardt, several dampings at once)."""
         low, high = self.bounds(keys)
         theta = np.clip(np.asarray(start, float), low, high)
         step = np.concatenate([np.full(self.nominal, 0.02), 1e-3 * (high - low)[self.nominal :]])

@@ -1,8 +1,8 @@
 """Effects that a case hides: draws that are visible, their likelihood ratios and the names that fit as well.
 
-The likelihood ratio of an effect is the rise of the least weighted sum of squares (tolerances included) when the effect
-is left out and everything else is fitted again, on noise-free data of the fit rows. It is the expected value of twice
-the logarithm of the likelihood ratio, up to the number of parameters.
+The likelihood ratio of an effect is the rise of the smallest weighted sum of squares (tolerances included) when the
+effect is left out and everything else is fitted again, on noise-free data of the fit rows. It is the expected value of
+twice the logarithm of the likelihood ratio, up to the number of parameters.
 """
 
 from collections.abc import Sequence
@@ -76,15 +76,15 @@ def ratios_of(problem: Problem, hidden: Hidden, deviations: Array) -> list[float
     """Return the likelihood ratio of each effect beside the tolerances and the other effects."""
     full = hidden.theta(deviations)
     target = problem.predict(hidden.keys, full[None])[0]
-    base = problem.least(target, hidden.keys, full, rounds=3)
+    base = problem.minimum(target, hidden.keys, full, rounds=3)
     ratios = []
     for i in range(len(hidden.keys)):
         rest = hidden.without(i)
         start = rest.theta(deviations)
-        cost = problem.least(target, rest.keys, start)
+        cost = problem.minimum(target, rest.keys, start)
         if cost - base < 40 * MIN_RATIO:  # near the limit of visibility: start at the nominal parameters too
             start[: problem.nominal] = 0
-            cost = min(cost, problem.least(target, rest.keys, start))
+            cost = min(cost, problem.minimum(target, rest.keys, start))
         ratios.append(cost - base)
     return ratios
 
@@ -162,7 +162,7 @@ class Search:
                 continue
             keys = [*rest.keys, key]
             starts = self.starts if len(self.named[key[0]].parameters) > 1 else 1
-            fits = [self.problem.least(target, keys, self._start(rng, key[0], rest, k)) for k in range(starts)]
+            fits = [self.problem.minimum(target, keys, self._start(rng, key[0], rest, k)) for k in range(starts)]
             costs[label(key)] = min(fits) - base
         return costs
 
@@ -178,7 +178,7 @@ class Search:
             return None
         theta = hidden.theta(self.deviations)
         target = self.problem.predict(hidden.keys, theta[None])[0]
-        base = self.problem.least(target, hidden.keys, theta, rounds=3)
+        base = self.problem.minimum(target, hidden.keys, theta, rounds=3)
         described = [
             describe(self.problem.table, *each) for each in zip(hidden.keys, hidden.values, hidden.ratios, strict=True)
         ]

@@ -97,9 +97,9 @@ def print_difference(one: Rendered, other: Rendered) -> None:
         psnr_db.append(10 * np.log10(255**2 / max(np.mean(difference**2), 1e-9)))
         mean.append(np.mean(difference))
         within.append(np.mean(np.abs(difference) <= 2))
-    print(f"PSNR of one against the other: median {median(psnr_db):.1f} dB, least {min(psnr_db):.1f} dB")
+    print(f"PSNR of one against the other: median {median(psnr_db):.1f} dB, smallest {min(psnr_db):.1f} dB")
     print(f"mean difference: {np.mean(mean):+.3f}, at most {np.max(np.abs(mean)):.3f} of 255 in an image")
-    print(f"values within 2 of 255: {np.mean(within):.1%}, least {min(within):.1%}", flush=True)
+    print(f"values within 2 of 255: {np.mean(within):.1%}, smallest {min(within):.1%}", flush=True)
 
 
 if __name__ == "__main__":

@@ -78,8 +78,8 @@ def print_standard_errors(images: int) -> None:
             estimates = np.array([_mean_product(np.array(each)) for each in drawn])
             errors = np.array([standard_error(each) for each in drawn])
             true = relative_error**2 * np.mean(noise_sd(place) ** 2)
-            least = np.maximum(estimates, 0.0) if bright and relative_error else estimates
-            low = np.mean(least + LIMIT * errors < true)
+            estimated = np.maximum(estimates, 0.0) if bright and relative_error else estimates
+            low = np.mean(estimated + LIMIT * errors < true)
             ratio = errors.mean() / estimates.std()
             print(
                 f"{place:24} {blur_px:3} {bright:5} {relative_error:5.3f}: {ratio:5.2f} {100 * low:5.1f} %", flush=True

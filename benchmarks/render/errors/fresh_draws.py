@@ -279,7 +279,9 @@ def print_summary(rows: list[Row]) -> None:
     print(f"chosen for: {dict(Counter(row.method for row in rows))} images")
     ratios = list({row.case: row.ratio for row in rows if row.ratio is not None}.values())
     if ratios:
-        print(f"cost of the plain loop at equal error, times: median {np.median(ratios):.2f}, least {min(ratios):.2f}")
+        print(
+            f"cost of the plain loop at equal error: median {np.median(ratios):.2f}, smallest {min(ratios):.2f} times"
+        )
 
 
 def main() -> None:

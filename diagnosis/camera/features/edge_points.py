@@ -19,9 +19,9 @@ STEP_PX = 0.25
 SMOOTH_PX = 0.8
 """Standard deviation of the derivative's Gaussian."""
 MIN_CONTRAST = 0.3
-"""Least contrast as a share of the median edge; a weaker one is something else."""
+"""Smallest contrast as a share of the median edge; a weaker one is something else."""
 BESIDE_PX, MIN_MICHELSON = 2.5, 0.15
-"""Distance from the edge and least Michelson contrast of floor and line there; less is noise."""
+"""Distance from the edge and smallest Michelson contrast of floor and line there; less is noise."""
 CLEAREST = 0.5
 """Share of the steepest rise from which a rise is clear."""
 

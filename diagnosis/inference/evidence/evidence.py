@@ -18,8 +18,8 @@ from diagnosis.predictors.count_noise import Whitening
 from symolo.core.arrays import Array
 
 MIN_NOISE = 1e-3
-"""Least noise of a sample, as a share of the nominal noise. On the plateau of a sensor nothing scatters, but no reading
-is so certain that its likelihood may become infinite."""
+"""Smallest noise of a sample, as a share of the nominal noise. On the plateau of a sensor nothing scatters, but no
+reading is so certain that its likelihood may become infinite."""
 
 
 @dataclass(frozen=True)

@@ -47,11 +47,12 @@ MIN_AUTOCORRELATION = 0.03
 """Autocorrelation below which the sum ends."""
 MAX_CORRELATION = 0.9
 NOISES = (0.5, 2.0)
-"""Least and greatest noise of a speed that is computed from counts, relative to what is stated."""
+"""Smallest and largest noise of a speed that is computed from counts, relative to what is stated."""
 CLEAR = 3.0
 """Standard errors by which a correlation must exceed the stated one to be used in its place."""
 MIN_SD = 0.4
-"""Least standard deviation of what counts as noise, in sigmas of a fit, whose level is at most twice the true one."""
+"""Smallest standard deviation of what counts as noise, in sigmas of a fit, whose level is at most twice the true
+one."""
 MATERIAL_CORRELATION = 0.1
 """Excess of a correlation that matters."""
 TORQUES = 24
@@ -165,7 +166,7 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
 
 
 def of_torque(noise: CountNoise, residuals: Array, rows: Mask, trial: NDArray[np.int64]) -> EstimatedNoise:
-    """Return the level of the random torque with the greatest likelihood, and the correlation that is left with it.
+    """Return the level of the random torque with the largest likelihood, and the correlation that is left with it.
 
     Args:
         noise: The noise of speeds that are computed from counts.

@@ -9,7 +9,7 @@ Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)), and compared with the log 
 The errors at the points of one run are not independent: together they count as one place and one heading. The scatter
 of the runs around the model is not known beforehand, so the cost is minus twice the log-likelihood with that scatter
 profiled out: n times the log of the mean square, with n = 2 for the places and n = 1 for the headings of each run, plus
-the priors of the nominal parameters. Effects enter by the rule of `selection`: the one with the greatest fall of the
+the priors of the nominal parameters. Effects enter by the rule of `selection`: the one with the largest fall of the
 cost, if the fall is large enough to name it.
 """
 
@@ -45,7 +45,7 @@ MIN_SEEN = 0.01
 the parameter: an angle of the tracked body turns each path about its start, and the little that is left of it comes
 from the errors of the path."""
 MIN_SCATTER = 1e-6
-"""Least scatter [m, rad]."""
+"""Smallest scatter [m, rad]."""
 START_SHARE = 0.1
 """Share of an effect's start value at which its fit begins, since the cost has no slope at a bound."""
 LOCAL_STEPS = 2

@@ -91,7 +91,7 @@ class Coordinate:
         Args:
             name: Name of the parameter.
             tolerance: Its tolerance.
-            bounds: Least and greatest deviation, in tolerances.
+            bounds: Smallest and largest deviation, in tolerances.
         """
         return cls(name, *bounds, 0.0, 0.0, is_log=False, unit=tolerance)
 

@@ -29,19 +29,19 @@ WIDTH = 10.0
 MEAN_SHARE = 0.02
 """Mean of the prior of the share of outliers."""
 SHARES = (0.002, 0.1)
-"""Least and greatest share of outliers; more of them are no outliers."""
+"""Smallest and largest share of outliers; more of them are no outliers."""
 LEVEL_SD = 0.4
 """Standard deviation of the prior of the logarithm of the level; a uniform one within a factor of two has the same."""
 LEVELS = (0.7, 2.0)
-"""Least and greatest level. A source may state half or twice the noise (GAP_FORMAT). The least level is nearer to 1 all
-the same, and it is 1 where the noise is not stated but estimated: readings that scatter far less than stated may be
-simulated, and then errors of the integration would become significant."""
+"""Smallest and largest level. A source may state half or twice the noise (GAP_FORMAT). The smallest level is nearer to
+1 all the same, and it is 1 where the noise is not stated but estimated: readings that scatter far less than stated may
+be simulated, and then errors of the integration would become significant."""
 MAX_ROUNDS = 30
 """Limit for the rounds of expectation and maximisation; with a start nearby two or three are enough."""
 SETTLED = 1e-3
 """Change of a share or of the logarithm of a level at which the rounds end."""
 _PEAK = np.sqrt(2.0 * np.pi) / (np.pi * WIDTH)
-"""Greatest density of an outlier, relative to that of a good reading with the stated noise."""
+"""Largest density of an outlier, relative to that of a good reading with the stated noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def cost(evidence: Evidence, prediction: Prediction, prior: Array, rows: Mask, n
 
 
 def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_own_level: Mask) -> NoiseFit:
-    """Return the levels and shares of the least cost over the rows of the fit.
+    """Return the levels and shares of the smallest cost over the rows of the fit.
 
     Args:
         evidence: The observations.
@@ -157,7 +157,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_o
 
 
 def _densities(evidence: Evidence, z: Array, sd: Array, noise: NoiseFit) -> tuple[Array, Array]:
-    """Return the densities (..., N) as good reading and as outlier, relative to the greatest one as stated."""
+    """Return the densities (..., N) as good reading and as outlier, relative to the largest one as stated."""
     share = noise.shares[evidence.quantity]
     ratio = sd / evidence.sd
     good = (1.0 - share) / ratio * np.exp(-0.5 * z**2)
@@ -170,7 +170,7 @@ def _sums(quantity: NDArray[np.int64], values: Array, count: int) -> Array:
 
 
 def _share(outliers: Array, good: Array) -> Array:
-    """Return the shares (Q,) of the greatest posterior density, from the expected numbers of both kinds."""
+    """Return the shares (Q,) of the largest posterior density, from the expected numbers of both kinds."""
     rate = 1.0 / MEAN_SHARE
     total = outliers + good + rate
     # The root of rate p^2 - total p + outliers, where the derivative by p of the log-posterior vanishes.
@@ -178,7 +178,7 @@ def _share(outliers: Array, good: Array) -> Array:
 
 
 def _level(good: Array, squares: Array, level: Array) -> Array:
-    """Return the levels (Q,) of the greatest posterior density, by Newton's method in their logarithm."""
+    """Return the levels (Q,) of the largest posterior density, by Newton's method in their logarithm."""
     x = np.log(level)
     for _ in range(3):
         scaled = squares * np.exp(-2.0 * x)

@@ -11,7 +11,7 @@ from configs.effects.parameter import Parameter
 from configs.schema.robot import RobotConfig
 
 LIMITS = (1e-4, 1e4)
-"""Least and greatest factor."""
+"""Smallest and largest factor."""
 
 
 @dataclass(frozen=True)

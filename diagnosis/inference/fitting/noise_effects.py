@@ -15,9 +15,9 @@ from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 EVEN = 0.9
-"""Ratio of the least to the greatest change of log sd by an effect, from which it scales the noise as a whole and takes
-the place of its level. A factor on the noise is not quite even, since rounding adds to it. With an effect that is less
-even, the level stays uncertain."""
+"""Ratio of the smallest to the largest change of log sd by an effect, from which it scales the noise as a whole and
+takes the place of its level. A factor on the noise is not quite even, since rounding adds to it. With an effect that is
+less even, the level stays uncertain."""
 
 
 def has_noise_effect(hypothesis: Hypothesis) -> bool:

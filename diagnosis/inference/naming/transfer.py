@@ -19,9 +19,9 @@ from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.measured.channel import Mask
 
 MAX_SESSIONS = 3
-"""Greatest number of groups of successive trials."""
+"""Largest number of groups of successive trials."""
 MIN_SAMPLES = 10
-"""Least number of samples of the fit in a group, and in the rest."""
+"""Smallest number of samples of the fit in a group, and in the rest."""
 OUTER = 1.0 / 3.0
 """Share of the samples that count as slow or near, and as fast or far."""
 MAIN_COVARIATES = ("omega_rad_s", "dtheta", "distance_m")
@@ -109,11 +109,11 @@ def contradiction(by_group: Sequence[Support], drop: float) -> str:
         by_group: What each group says about the effect.
         drop: Fall of the cost by the effect over all samples.
     """
-    least = min(by_group, key=lambda support: support.fall, default=None)
-    if least is None or least.fall > -max(AGAINST, AGAINST_SHARE * drop):
+    weakest = min(by_group, key=lambda support: support.fall, default=None)
+    if weakest is None or weakest.fall > -max(AGAINST, AGAINST_SHARE * drop):
         return ""
-    most = max(by_group, key=lambda support: support.fall)
-    return f"{least.group} (it describes {most.group})"
+    strongest = max(by_group, key=lambda support: support.fall)
+    return f"{weakest.group} (it describes {strongest.group})"
 
 
 def trial_groups(evidence: Evidence, trial_names: Sequence[str], rows: Mask) -> tuple[Group, ...]:
@@ -141,7 +141,7 @@ def _trials_text(numbers: NDArray[np.int64]) -> str:
 
 
 def _of_ranges(evidence: Evidence) -> Iterator[Group]:
-    """Yield the samples with the least and with the greatest sizes of each main covariate."""
+    """Yield the samples with the smallest and with the largest sizes of each main covariate."""
     for name in MAIN_COVARIATES:
         size = np.full(len(evidence.values), np.nan)
         for observed, place in zip(evidence.observed, evidence.places, strict=True):

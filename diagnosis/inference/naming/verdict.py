@@ -166,8 +166,8 @@ def conclusion(
         withheld_names: Names that were proposed and do not.
         is_adequate: Whether the model with the names leaves no significant structure.
         chance: Probability of the strongest structure by chance, over all tests.
-        nearly: Greatest fall of the cost by an effect that was not accepted.
-        scatter: Greatest scatter of good readings relative to the stated noise.
+        nearly: Largest fall of the cost by an effect that was not accepted.
+        scatter: Largest scatter of good readings relative to the stated noise.
     """
     if not is_adequate:
         return CaseVerdict.NAMED_IN_PART if names else CaseVerdict.UNEXPLAINED

@@ -25,9 +25,9 @@ MAX_PHASE_RAD = 0.25
 OVERSAMPLING = 4.0
 """Frequencies for each cycle within the range of the angle."""
 WAVES = 3
-"""Greatest number of waves that are worth a try."""
+"""Largest number of waves that are worth a try."""
 BEYOND_CHANCE = 4.0
-"""Fall of the cost beyond the greatest that chance gives among all frequencies, from which a wave is worth a try."""
+"""Fall of the cost beyond the largest that chance gives among all frequencies, from which a wave is worth a try."""
 GAINS = 24
 """Frequencies at which the sizes of responses are computed; they change slowly between them."""
 

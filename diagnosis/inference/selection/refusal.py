@@ -23,7 +23,7 @@ THRESHOLD = 15.0
 """Fall of the cost from which an effect with one parameter is accepted."""
 THRESHOLD_OF_NOISE = 9.0
 """The same for an effect of the noise, three standard errors. There are two of these and not dozens, so that the
-greatest fall among them is smaller where nothing is hidden."""
+largest fall among them is smaller where nothing is hidden."""
 PER_PARAMETER = 3.0
 """Addition to the threshold for each parameter of an effect beyond the first."""
 NEGLIGIBLE = 0.01
@@ -36,11 +36,11 @@ where a delayed voltage takes effect, and a lag acts within the row."""
 FAR_BELOW_A_ROW = 0.05
 """Size of a delay or a lag relative to the time between two rows, below which rows at these times hardly show it."""
 MIN_ROWS = 6.0
-"""Least effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
+"""Smallest effective number of samples that a fall must come from; with little data, MIN_ROWS_SHARE of the samples."""
 MIN_ROWS_SHARE = 0.1
 """Share of the samples of the fit."""
 AGREEING = 2.0
-"""Least number of samples beyond the number of parameters, from which few samples are enough."""
+"""Smallest number of samples beyond the number of parameters, from which few samples are enough."""
 CLEAR = 8.0
 """Change of the cost of the held-out rows, as for a parameter at 2.8 standard errors, from which they confirm an effect
 or contradict it. A smaller change says little: rows that hardly show an effect may by chance be predicted a little
@@ -48,9 +48,10 @@ better without it. Of 373 right names in cases of the family `wide_a`, none was 
 MAX_WORSE = 2.0
 """Rise of the cost of held-out rows in standard deviations of the sum, up to which they do not contradict an effect."""
 MIN_SAMPLES = 8
-"""Least number of samples for naming an effect."""
+"""Smallest number of samples for naming an effect."""
 MIN_SAMPLES_OF_NOISE = 16
-"""Least number of samples for naming an effect of the noise: in fewer ones, no test could see what else it may be."""
+"""Smallest number of samples for naming an effect of the noise: in fewer ones, no test could see what else it may
+be."""
 STATED_WITHIN = 2.0
 """Factor within which a stated noise may be wrong (GAP_FORMAT)."""
 NO_SLOPE = 1e-6

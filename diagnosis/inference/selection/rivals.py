@@ -225,7 +225,7 @@ def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[Hypothesis
 
 
 def _of_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[str, float]]:
-    """Return the rise of the cost if the stated noise is wrong by the greatest factor that needs no effect."""
+    """Return the rise of the cost if the stated noise is wrong by the largest factor that needs no effect."""
     if effect.kind is not NoiseScale:
         return []
     place = fit.hypothesis.parameters(effect).start

@@ -2,7 +2,7 @@
 
 In each round every candidate is scanned, the promising ones are fitted together with the effects selected so far, and
 the best enters if the cost falls by more than THRESHOLD, plus PER_PARAMETER for each parameter beyond the first. The
-threshold is the greatest fall among all effects where nothing is hidden (`benchmarks/diagnosis`), and not that of a
+threshold is the largest fall among all effects where nothing is hidden (`benchmarks/diagnosis`), and not that of a
 single test, since dozens of effects are tried. The search for pairs (below) tries about six times as many models; no
 theory says that the threshold suffices for them, and the evidence is the benches with nothing hidden in the evaluation
 (docs/diagnosis_evaluation.md). Afterwards each effect is compared with every other in its place, and
@@ -36,7 +36,7 @@ THIRD = 12.0
 """Fall of the cost that a third effect needs in addition. Three effects together can imitate nearly any curve, and a
 cause that is in no list is more frequent than three causes at once."""
 PROMISING = 4
-"""Least number of candidates that are fitted in each round, if the expected fall of the cost is not hopeless."""
+"""Smallest number of candidates that are fitted in each round, if the expected fall of the cost is not hopeless."""
 HOPELESS = 4.0
 """Expected fall of the cost up to which a fit is not worth its time."""
 NEARLY = 0.7
@@ -47,7 +47,7 @@ but often along a bent valley that a fit does not follow to its end, so that fit
 BEAM = 6
 """Number of single effects from which pairs are searched."""
 BEAM_SAMPLES = 2000
-"""Greatest number of samples with a search for pairs. With few samples several pairs explain much the same; with many,
+"""Largest number of samples with a search for pairs. With few samples several pairs explain much the same; with many,
 swaps find the best one, and each fit takes long."""
 OTHER_PAIRS = 3
 """Number of pairs that are fitted in the place of two effects with more samples."""
@@ -169,8 +169,8 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
     tried = {frozenset(pair.hypothesis.effects) for pair in pairs}
     new = [p for p in scan_pairs(evidence, base, effects) if frozenset(p.hypothesis.effects) not in tried]
     # Two effects that are expected to explain hardly more than a single one need no fit.
-    least = HOPELESS + (prospects[0].drop if prospects else 0.0)
-    together = [(p.hypothesis, p.start) for p in new[:BEAM] if p.drop > least]
+    min_drop = HOPELESS + (prospects[0].drop if prospects else 0.0)
+    together = [(p.hypothesis, p.start) for p in new[:BEAM] if p.drop > min_drop]
     return ranked([*pairs, *fits(evidence, together, base.cost - HOPELESS)], effects)
 
 
@@ -393,8 +393,8 @@ def _pruned(evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
         effects = fit.hypothesis.effects
         refits = [without(evidence, fit, effect) for effect in effects]
         rises = [refit.cost - fit.cost - needed(effect) for refit, effect in zip(refits, effects, strict=True)]
-        least = int(np.argmin(rises))
-        if rises[least] >= 0.0:
+        weakest = int(np.argmin(rises))
+        if rises[weakest] >= 0.0:
             break
-        fit = refits[least]
+        fit = refits[weakest]
     return fit

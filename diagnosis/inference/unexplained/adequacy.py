@@ -28,7 +28,7 @@ from symolo.core.arrays import Array
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
 MIN_ROWS = 8
-"""Least number of rows of a quantity that is tested."""
+"""Smallest number of rows of a quantity that is tested."""
 CLUSTER = "outliers at neighbouring values"
 REWEIGHTINGS = 6
 """Iterations of the weights for outliers."""
@@ -37,7 +37,7 @@ CLIP = 3.0
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
-"""Least fall of the cost for a structure, by the stated noise, however significant it is. If readings scatter as
+"""Smallest fall of the cost for a structure, by the stated noise, however significant it is. If readings scatter as
 stated, chance alone reaches as much. It matters if they scatter far less, as in a simulated log, where integration
 errors would show."""
 DRIFT = 1.0

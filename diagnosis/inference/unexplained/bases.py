@@ -45,8 +45,8 @@ SCANNED_ROWS = 24
 MIN_WAVES = 1.5
 """Smallest number of waves within the range of a covariate."""
 MIN_ROWS_PER_WAVE = 2.0
-"""Least mean number of distinct values in a wave, as at the Nyquist frequency; values of a bench are mostly uneven, and
-then show even shorter waves."""
+"""Smallest mean number of distinct values in a wave, as at the Nyquist frequency; values of a bench are mostly uneven,
+and then show even shorter waves."""
 WITH_COVARIATE = ", changing sign with it"
 """End of the description of a dependence that is odd in the covariate."""
 
@@ -269,13 +269,13 @@ def _grid(x: Array, y: Array) -> Array:
     return _where(known, (along[:, :, None] * across[:, None, :]).reshape(len(x), -1))
 
 
-def _waves(values: Array, known: Mask, most: float) -> Iterator[Basis]:
+def _waves(values: Array, known: Mask, max_waves: float) -> Iterator[Basis]:
     """Yield sine and cosine of each wavelength that the rows can show."""
     distinct = len(np.unique(values[known]))
     reach = float(np.ptp(values[known]))
     if np.count_nonzero(known) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    counts = np.arange(MIN_WAVES, min(most, distinct / MIN_ROWS_PER_WAVE), 0.5)
+    counts = np.arange(MIN_WAVES, min(max_waves, distinct / MIN_ROWS_PER_WAVE), 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
         columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))

@@ -56,12 +56,12 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     time = _time_s(evidence)
     for moment in _moments(time[evidence.fit & np.isfinite(time)]):
         after = time >= moment
-        parts = ((part.change * after[:, None], part.shape, part.least) for part in lasting)
-        for columns, shape, least in ((_jump(evidence, nominal, after), 0, -np.inf), *parts):
+        parts = ((part.change * after[:, None], part.shape, part.limit) for part in lasting)
+        for columns, shape, limit in ((_jump(evidence, nominal, after), 0, -np.inf), *parts):
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
-            if np.any(combined @ along <= least):
+            if np.any(combined @ along <= limit):
                 continue
             # The selection of effects has the same penalty, so that the two models can be compared.
             penalty = PARAMETER_PENALTY * (combined.shape[1] + shape + MOMENT_PARAMETERS)
@@ -131,7 +131,7 @@ class _Lasting:
     """(N, 1), in sigmas."""
     shape: int = 0
     """Number of parameters of its shape."""
-    least: float = -np.inf
+    limit: float = -np.inf
     """Multiple of the change that must be exceeded."""
 
 
@@ -139,7 +139,9 @@ def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> 
     """Return the changes by nominal numbers and by the effects of a fit."""
     numbers = zip(nominal.hypothesis.nuisances, nominal.slopes, strict=False)
     by_numbers = [
-        _Lasting(slope[:, None], least=_least(nuisance)) for nuisance, slope in numbers if nuisance.change is None
+        _Lasting(slope[:, None], limit=_lowest_multiple(nuisance))
+        for nuisance, slope in numbers
+        if nuisance.change is None
     ]
     # An effect has its fitted shape, whose numbers are parameters like the size.
     by_effects = [
@@ -150,7 +152,7 @@ def _lasting(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> 
     return [*by_numbers, *by_effects]
 
 
-def _least(nuisance: Nuisance) -> float:
+def _lowest_multiple(nuisance: Nuisance) -> float:
     """Return the jump of a number, in tolerances, from its nominal value to zero; a number that is positive stays so.
 
     Where speed and voltage are nearly constant, no possible inertia changes a prediction. But the controller answers

@@ -21,9 +21,9 @@ PLACES = 20
 WIDTHS = (0.05, 0.1, 0.2)
 """Widths of bumps, as shares of the range of the covariate."""
 MIN_ROWS = 3
-"""Least number of rows of the fit that a form changes; fewer are outliers."""
+"""Smallest number of rows of the fit that a form changes; fewer are outliers."""
 CHANGED = 0.1
-"""Share of the greatest change, from which a row counts as changed by a form."""
+"""Share of the largest change, from which a row counts as changed by a form."""
 FOLLOWS = 0.8
 """Share of rows with the same sign, from which a covariate has the sign of the prediction."""
 WITH_READING = ", changing sign with the reading"

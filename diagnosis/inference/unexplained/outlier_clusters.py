@@ -26,16 +26,16 @@ from symolo.core.arrays import Array
 FAR = 4.0
 """Residual in sigmas from which a reading counts as an outlier."""
 MIN_OUTLIERS = 3
-"""Least number of outliers in a range."""
+"""Smallest number of outliers in a range."""
 MAX_OPPOSITE = 0.125
-"""Greatest number of outliers of the other side in the range, for each of this one. Where readings scatter more, there
+"""Largest number of outliers of the other side in the range, for each of this one. Where readings scatter more, there
 are outliers of both sides."""
 CANDIDATES = 32
 """Number of ranges whose probability is computed exactly: those that are the least likely by its largest term."""
 APART = 2
 """Distance in rows beyond which two outliers are of different runs."""
 MAX_SHARE = 0.25
-"""Greatest share of outliers; with more of them, they are no outliers, and other tests see what they are."""
+"""Largest share of outliers; with more of them, they are no outliers, and other tests see what they are."""
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,6 @@ def _of_stage(  # noqa: PLR0917 - a form, and the quantities that it changes
 ) -> tuple[int, Form, Array]:
     """Return a form of the quantity that it changes most."""
     squares = np.where(evidence.fit, evidence.weight * column**2, 0.0)
-    most = max(quantities, key=lambda k: float(squares[evidence.places[k]].sum()))
-    rank = [each.name for each in evidence.observed[most].covariates].index(covariate)
-    return most, Form(covariate, rank, what, chosen, column[evidence.places[most]]), column
+    largest = max(quantities, key=lambda k: float(squares[evidence.places[k]].sum()))
+    rank = [each.name for each in evidence.observed[largest].covariates].index(covariate)
+    return largest, Form(covariate, rank, what, chosen, column[evidence.places[largest]]), column

@@ -30,7 +30,7 @@ MIN_SIZE = 0.1
 AROUND = 4
 """Number of rows before and after a row, from whose median its residual is counted."""
 MIN_ROWS = 4
-"""Least number of rows of a material; those with fewer are left out."""
+"""Smallest number of rows of a material; those with fewer are left out."""
 UNEVEN = "noise that is"
 """Beginning of what such a structure is."""
 

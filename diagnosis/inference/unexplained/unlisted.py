@@ -158,7 +158,7 @@ def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
 def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
     """Return the form that lowers the cost of a fit most, penalties included; None if no form can be tested."""
     listed = list(_bench_forms(evidence, fit))
-    most = PROMISING if listed else PROMISING_OF_SERIES
+    count = PROMISING if listed else PROMISING_OF_SERIES
     listed += series_forms(evidence, fit)
     if not listed:
         return None
@@ -167,7 +167,7 @@ def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
     # With the robust weights, rows far off count little; with Huber's they count in proportion to their distance.
     huber = np.where(evidence.fit, evidence.weight / np.maximum(1.0, np.abs(fit.z) / CORNER), 0.0)
     for weight in (fit.root_weights() ** 2, huber):
-        best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), most))
+        best = list(islice(_promising(fit, listed, columns, np.sqrt(weight)), count))
         tried = [_fitted(evidence, fit, *listed[k], weight) for k, _ in best]
         # Without a fall of the weighted squares, no other middle and width will matter.
         bumps = [

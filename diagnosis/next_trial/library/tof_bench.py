@@ -60,7 +60,7 @@ def _materials(template: Measurement) -> list[str]:
 
 
 def _values(template: Measurement, name: str) -> list[float]:
-    """Return the usual, least and greatest values of an input of the old data; NaN if it was not logged."""
+    """Return the usual, smallest and largest values of an input of the old data; NaN if it was not logged."""
     values = np.concatenate([channel.values for channel in template.across(name)])
     known = values[np.isfinite(values)]
     if not len(known):

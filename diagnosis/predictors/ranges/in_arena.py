@@ -44,9 +44,9 @@ GRID = 0.1
 """Spacing of the grid of a parameter, as a share of its start value in a fit. It is 10 mrad for an angle, 4 ms for a
 delay and 2 mm for a length."""
 NEAREST_M = 0.05
-"""Least distance of an edge, for the angle by which it moves if the robot moves sideways."""
+"""Smallest distance of an edge, for the angle by which it moves if the robot moves sideways."""
 EDGE_M = 0.02
-"""Least difference between the range and the mean of two neighbouring ranges, times two, at which a sensor sees an
+"""Smallest difference between the range and the mean of two neighbouring ranges, times two, at which a sensor sees an
 edge. The neighbours are the ranges of the same sensor after a small turn or shift to the left and to the right."""
 REACH = 1.25
 """Length of a ray as a share of the longest range (`sensors.ranging.tof`)."""

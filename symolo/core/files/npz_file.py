@@ -20,7 +20,7 @@ Numbers = NDArray[Any]
 """(N,) or (N, K), of floating-point or whole numbers; numpy cannot say so."""
 
 MAX_ENTRIES = 1000
-"""Greatest number of entries of an archive; a run has about thirty, two for each series."""
+"""Largest number of entries of an archive; a run has about thirty, two for each series."""
 _ENTRY = b"PK\x01\x02"
 """Signature with which each entry of the archive's directory begins."""
 _PLAIN = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)

@@ -83,9 +83,9 @@ def _draw_stated_noise(rng: np.random.Generator, robot: Robot, plan: Plan, wheel
         "travel_m_per_sqrt_m": significant(log_uniform(rng, 2e-4, 1.2e-3), 2),
     }
     rounding = 2 * np.pi * robot.radius_m / robot.ticks / np.sqrt(6)
-    least = {"pose_xy_m": rounding / np.sqrt(2) / 0.3, "pose_theta_rad": rounding / robot.track_m / 0.3}
+    min_stated = {"pose_xy_m": rounding / np.sqrt(2) / 0.3, "pose_theta_rad": rounding / robot.track_m / 0.3}
     for key, channel in (("pose_xy_m", "x_m"), ("pose_theta_rad", "theta_rad")):
-        stated[key] = max(stated[key], significant(least[key] / plan.noise_factor[channel], 2))
+        stated[key] = max(stated[key], significant(min_stated[key] / plan.noise_factor[channel], 2))
     return stated
 
 

@@ -25,9 +25,9 @@ class Candidate:
     driven: Driven
     staged: Staged
     base: float
-    """Least weighted sum of squares with these effects."""
+    """Smallest weighted sum of squares with these effects."""
     need: float = MIN_RATIO
-    """Least likelihood ratio of each effect."""
+    """Smallest likelihood ratio of each effect."""
 
     def is_visible(self) -> bool:
         """Return whether each effect is visible and the robot stayed in the room."""
@@ -99,13 +99,13 @@ class Search:
         if self.category == "outside":
             plain = setting.staged(setting.plain.log, stages)
             count = staged.measured.mask.sum()
-            base = plain.problem.least(plain.target, [], deviations) * float(count / plain.measured.mask.sum())
-            hidden.ratios = [problem.least(target, [], deviations) - base]
+            base = plain.problem.minimum(plain.target, [], deviations) * float(count / plain.measured.mask.sum())
+            hidden.ratios = [problem.minimum(target, [], deviations) - base]
             # two runs are compared, and the difference must also exceed what chance makes of it
             return Candidate(hidden, driven, staged, base, MIN_RATIO + 3 * float(np.sqrt(2 * count)))
-        base = problem.least(target, hidden.keys, hidden.theta(deviations), rounds=3)
+        base = problem.minimum(target, hidden.keys, hidden.theta(deviations), rounds=3)
         rests = [hidden.without(i) for i in range(len(hidden.keys))]
-        hidden.ratios = [problem.least(target, rest.keys, rest.theta(deviations)) - base for rest in rests]
+        hidden.ratios = [problem.minimum(target, rest.keys, rest.theta(deviations)) - base for rest in rests]
         return Candidate(hidden, driven, staged, base)
 
     def _describe(self, rng: np.random.Generator, candidate: Candidate, entries: Entries) -> bool:
@@ -141,7 +141,7 @@ class Search:
                 size = [first_size(rng, named[name]), *draw_shapes(rng, named[name])]
                 start = Hidden([], [*rest.values, size]).theta(self.setting.deviations)
                 rival = (name, variant)
-                cost = staged.problem.least(staged.target, [*rest.keys, rival], start, rounds=5)
+                cost = staged.problem.minimum(staged.target, [*rest.keys, rival], start, rounds=5)
                 costs[label(rival)] = cost - base
         return costs
 
@@ -152,4 +152,6 @@ class Search:
     def _with_more_stages(self, candidate: Candidate, stages: str) -> tuple[Staged, float]:
         """Return more stages of a run; those hold a rival that also moves them at its absence."""
         staged, hidden = self.setting.staged(candidate.driven.log, stages), candidate.hidden
-        return staged, staged.problem.least(staged.target, hidden.keys, hidden.theta(self.setting.deviations), rounds=3)
+        return staged, staged.problem.minimum(
+            staged.target, hidden.keys, hidden.theta(self.setting.deviations), rounds=3
+        )

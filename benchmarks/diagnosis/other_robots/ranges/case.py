@@ -131,7 +131,7 @@ class RangeCase:
         """Return readings of a sensor that jumps between two states, and enter this cause."""
         error, jump = two_states(rng, self.bench)
         problem, start = self.problem(), self.deviations
-        ratio = problem.least(clean + error, [], start) - problem.least(clean, [], start, rounds=3)
+        ratio = problem.minimum(clean + error, [], start) - problem.minimum(clean, [], start, rounds=3)
         parameters = {"jump": jump, "chance_per_row": JUMP_CHANCE}
         self.entries.add_outside({"name": "two_states", "parameters": parameters, "lr": round(ratio, 1)}, None)
         return clean + error

@@ -55,7 +55,7 @@ def outside_table(b: RangeBench) -> Table:
         "carriage_play": sized("play", 0.001, 0.05),
         # distances beyond the ambiguity distance fold back
         "fold_back": level("beyond", 0.6 * reach, 0.9 * reach),
-        # the sensor has a least reading: nearer targets give that
+        # the sensor has a smallest reading: nearer targets give that
         "nearest_reading": level("nearest", 0.12 * reach, 0.3 * reach),
         # a specular target at an angle: an offset beyond an angle, at all distances
         "reflection_at_angle": sized("offset", -0.08, 0.08, Parameter("angle", 0.25, 0.6)),

@@ -14,7 +14,7 @@ JUMP_ROWS = 4
 MIN_SHARE = 1e-9
 """Share of an offset that the coordinates do not explain, below which it is only rounding error."""
 MIN_LEVEL = 1e-9
-"""Least variance of the noise, relative to that of the rows; a sensor at its limit has none."""
+"""Smallest variance of the noise, relative to that of the rows; a sensor at its limit has none."""
 ROUNDS = 5
 """Estimates of the noise and of the best moment in turn. The noise decides how far the tolerances hold the numbers."""
 

@@ -95,9 +95,9 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
     # White noise that is larger than stated has a name, so that a drift must only be more likely.
     others.append(search.cost_of_white_noise(seen.fit) - seen.cost)
     white = search.cost_of_white_noise(seen.fit, as_stated=search.is_bench)
-    least = white if search.is_bench else min(white, search.cost_of_line(seen))
+    best_without = white if search.is_bench else min(white, search.cost_of_line(seen))
     # At one distance an error of the scale is equally likely, and rounding would decide about the name.
-    if least - seen.cost < search.needed or min(others) < PARAMETER_PENALTY - EQUAL:
+    if best_without - seen.cost < search.needed or min(others) < PARAMETER_PENALTY - EQUAL:
         return None
     if left_out and instead < (0.0 if len(left_out) == 1 and search.is_bench else PARAMETER_PENALTY - EQUAL):
         return None

@@ -117,11 +117,11 @@ class RangeSeries:
         return len(self.at) * float(np.log(squares / len(self.at))) + 2.0 * float(np.log(self.sd_m).sum())
 
 
-def _begins(at: Array, most: int) -> NDArray[np.int64]:
+def _begins(at: Array, max_size: int) -> NDArray[np.int64]:
     """Return the first of each group of neighbours; no group reaches across a gap."""
     steps = np.diff(at)
     gaps = np.flatnonzero(steps > PAUSE_STEPS * np.median(steps)) + 1
-    size = -(-len(at) // most)
+    size = -(-len(at) // max_size)
     return np.concatenate([np.arange(a, b, size) for a, b in pairwise([0, *gaps.tolist(), len(at)])])
 
 

@@ -21,9 +21,9 @@ WITHOUT_WHITE = np.array([1e3])
 """Such a ratio for noise that has hardly any white part."""
 DISTANCE = "distance_m"
 MIN_WAVES = 1.5
-"""Least number of waves within the range of the distance."""
+"""Smallest number of waves within the range of the distance."""
 MIN_ROWS_OF_WAVE = 3.0
-"""Least number of rows in a wave."""
+"""Smallest number of rows in a wave."""
 STEP_OF_WAVES = 1.0 / 8.0
 """Step of the number of waves. A wave between two steps keeps 99 % of its power: sinc(1/16) squared."""
 MIN_WAVES_OF_TIME = 2.0
@@ -90,7 +90,7 @@ def _cost_of_wave(
         ranges: The samples.
         along: (N,), the values.
         rows: (N,), the samples that count.
-        min_waves: Least number of waves.
+        min_waves: Smallest number of waves.
         of_each_period: Whether all whole numbers of waves share the probability.
     """
     known = rows & np.isfinite(along)
@@ -125,10 +125,10 @@ def short_noise(series: RangeSeries, times_s: Array, max_level: float) -> tuple[
     Args:
         series: The residuals.
         times_s: (T,), time constants.
-        max_level: Greatest variance of the noise, relative to that of the rows.
+        max_level: Largest variance of the noise, relative to that of the rows.
     """
-    most = max_level / float(WITHOUT_WHITE[0])
-    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, max_level=most)
+    max_share = max_level / float(WITHOUT_WHITE[0])
+    likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, WITHOUT_WHITE, max_level=max_share)
     best = np.unravel_index(int(likely.costs.argmin()), likely.costs.shape)
     return float(likely.costs[best]), float(likely.levels[best] * (1.0 + WITHOUT_WHITE[0]))
 

@@ -48,12 +48,12 @@ MEDIAN_OF_NORMAL = 0.6745
 MIN_ROWS = 20
 MIN_ROWS_OF_SERIES = 30
 MIN_LASTING_ROWS = 1.5
-"""Least time constant in rows of a bench; noise that is correlated over fewer rows is no drift."""
+"""Smallest time constant in rows of a bench; noise that is correlated over fewer rows is no drift."""
 MIN_LASTING_ROWS_OF_SERIES = 5.0
 TIMES = 12
-"""Number of time constants that are tried, from the least one to the length of the measurement."""
+"""Number of time constants that are tried, from the smallest one to the length of the measurement."""
 TIME_CONSTANT_LIMITS = RangeWander.parameters()["time_constant_s"]
-"""Least and greatest time constant of the effect, which hold for rows of any distance."""
+"""Smallest and largest time constant of the effect, which hold for rows of any distance."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class DriftFit:
     times_s: Array
     """(T,), time constants that were tried."""
     max_level: float
-    """Greatest variance that the noise can have without an effect of its own, relative to that of the fit."""
+    """Largest variance that the noise can have without an effect of its own, relative to that of the fit."""
     likelihoods: Likelihoods
     elsewhere: Elsewhere
 
@@ -156,7 +156,7 @@ class DriftSearch:
         """Return the fall of the cost of white noise from which a drift is accepted.
 
         On a bench it is one of three effects of the noise. In 200 benches with nothing hidden (seed 9504 of
-        `benchmarks/diagnosis/independent_cases`), the greatest fall was 9.5.
+        `benchmarks/diagnosis/independent_cases`), the largest fall was 9.5.
         """
         return (THRESHOLD_OF_NOISE if self.is_bench else THRESHOLD) + PER_PARAMETER
 
@@ -174,7 +174,7 @@ class DriftSearch:
         return series.cost_of(level * count) + squares / level - count
 
     def _levels(self, fit: HypothesisFit) -> tuple[float, float]:
-        """Return the least and the greatest variance of the noise, relative to that of a fit."""
+        """Return the smallest and the largest variance of the noise, relative to that of a fit."""
         by_fit = float(fit.noise.levels[np.unique(self.evidence.quantity[self.ranges.place])].min())
         return (1.0 / LEVELS[1] / by_fit) ** 2, (LEVELS[1] / by_fit) ** 2
 
@@ -209,17 +209,17 @@ class DriftSearch:
 
     def beside(self, fit: HypothesisFit) -> DriftFit:
         """Return a fit with a random drift beside it."""
-        series, (least, most) = self.series(fit), self._levels(fit)
+        series, (min_level, max_level) = self.series(fit), self._levels(fit)
         tried = series.at, series.residual_m, series.sd_m, self.times_s, RATIOS
         if self.is_bench:
             # An error that lasts for few rows must not stand for the noise.
-            best = likelihoods(*tried, min_level=least, max_level=most)
+            best = likelihoods(*tried, min_level=min_level, max_level=max_level)
             # The noise may have an effect of its own.
-            free = likelihoods(*tried, min_level=least)
+            free = likelihoods(*tried, min_level=min_level)
             best = free if best.costs.min() - free.costs.min() >= THRESHOLD_OF_NOISE else best
         else:
-            best = likelihoods(*tried, max_level=most)
-        return DriftFit(fit, series, self.times_s, most, best, self.elsewhere(fit, fit))
+            best = likelihoods(*tried, max_level=max_level)
+        return DriftFit(fit, series, self.times_s, max_level, best, self.elsewhere(fit, fit))
 
     def elsewhere(self, fit: HypothesisFit, beside: HypothesisFit) -> Elsewhere:
         """Return what a fit says about tolerances and other quantities, by samples that are no outliers of another."""
