@@ -40,7 +40,7 @@ def frames(out: Path) -> int:
 
 
 def rendered_again(out: Path) -> int:
-    """Frames that were put in place more than once, by the journals."""
+    """Return the number of frames that were put in place more than once, according to the journals."""
     journals = (out / ".stages/render").rglob("*.jsonl")
     lines = [(path.parent, line) for path in journals for line in path.read_text().splitlines()]
     put = Counter((folder, json.loads(line)["frame"]["file"]) for folder, line in lines)

@@ -58,7 +58,7 @@ def disagreements(firmware: NativeFirmware, framing: Framing, pieces: list[bytes
 
 
 def damaged_stream(framing: Framing, kind: str, count: int, draw: np.random.Generator) -> list[bytes]:
-    """Frames of which every second one is damaged."""
+    """Return frames of which every second one is damaged."""
     older, pieces = [b"\0"] * 4, []
     for number in range(2 * count):
         data = framing.sensors(number & 0xFF, drawn_sensors(draw))

@@ -56,7 +56,7 @@ def flipped(frame: bytes, bits: list[int]) -> bytes:
 
 
 def damaged(frame: bytes, older: list[bytes], kind: str, draw: np.random.Generator) -> bytes:
-    """The frame after damage of one kind; `older` are those before it, the last one first."""
+    """Return a frame after damage of one kind; `older` are the frames before it, the last one first."""
     at, some = int(draw.integers(len(frame))), int(draw.integers(1, 5))
     match kind:
         case "bytes lost":
@@ -95,7 +95,7 @@ def bits_of(kind: str, size: int, draw: np.random.Generator) -> list[int]:
 
 
 def drawn_command(limits: DriveLimits, ticks: int, draw: np.random.Generator) -> CommandFrame:
-    """One as a controller gives it, as it is after the rounding of the wire."""
+    """Return a random command of a controller, rounded as on the wire."""
     v, w = draw.uniform(-0.05, 0.3), draw.uniform(-2.5, 2.5)
     turn = 0.5 * w * limits.track_m
     right, left = (v + turn) / limits.wheel_radius_m, (v - turn) / limits.wheel_radius_m

@@ -77,7 +77,7 @@ def report(out: Path, laps: int, seconds: float) -> None:
 
 
 def report_memory(command_MB: list[float], worker_MB: list[float]) -> None:
-    """Means over the first and the last fifth of the time, and the peak."""
+    """Print the means over the first and the last fifth of the time, and the peak."""
     fifth = max(1, len(command_MB) // 5)
     for name, values in (("command", command_MB), ("largest worker", worker_MB)):
         first, last = mean(values[:fifth]), mean(values[-fifth:])
@@ -87,7 +87,7 @@ def report_memory(command_MB: list[float], worker_MB: list[float]) -> None:
 
 
 def _kind(problem: str) -> str:
-    """A problem without its names and numbers."""
+    """Return a problem without its names and numbers."""
     return re.sub(r"-?\d+(\.\d+)?", "#", re.sub(r"touched .* at", "touched something at", problem))
 
 

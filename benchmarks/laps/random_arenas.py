@@ -95,8 +95,8 @@ def report(laps: Sequence[Lap], elapsed_s: float) -> None:
 
 
 def plot(laps: Sequence[Lap], path: Path) -> None:
-    """The laps that failed first, then others; driven path green where the lap was completed, red where not."""
-    from matplotlib.figure import Figure  # noqa: PLC0415 - needed for a image alone
+    """Plot the laps that failed first, then others; the path is green if the lap was completed, else red."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - needed for an image alone
 
     shown = sorted(laps, key=lambda lap: (not lap.problems, lap.seed))[:MAX_PLOTTED]
     rows = math.ceil(len(shown) / COLUMNS)

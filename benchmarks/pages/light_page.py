@@ -34,7 +34,7 @@ Settings = dict[str, dict[str, object]]
 
 
 def lights() -> dict[str, Settings]:
-    """Settings by caption; settings that are missing have the schema's default, by day with lamps."""
+    """Return settings by caption; settings that are missing have the schema's default, by day with lamps."""
     made: dict[str, Settings] = {
         "sun and sky": {"sun": {"illuminance_klx": 8, "elevation_deg": 40}} | NO_LAMPS,
         "low sun": {"sun": {"illuminance_klx": 4, "elevation_deg": 22, "color_temperature_K": 3600}} | NO_LAMPS,
@@ -62,7 +62,7 @@ def lights() -> dict[str, Settings]:
 
 
 def across_the_room() -> np.ndarray:
-    """(4, 4) pose X_WC of a camera at `EYE` that looks at `TARGET`."""
+    """Return the pose X_WC (4, 4) of a camera at `EYE` that looks at `TARGET`."""
     forward = np.subtract(TARGET, EYE)
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, (0.0, 0.0, 1.0))
@@ -73,7 +73,8 @@ def across_the_room() -> np.ndarray:
 
 
 def page_job(caption: str, settings: Settings, samples: int) -> RenderJob:
-    """Two frames, across the room and from the robot, each exposed by its own light but where lamps flicker."""
+    """Return a job of two frames, across the room and from the robot, each with its own exposure unless lamps
+    flicker."""
     flickers = "flicker" in caption
     camera = {"exposure_adaption": 0 if flickers else 1, **settings.get("camera", {})}
     look = LookConfig.model_validate({"name": "sample", "room": ROOM, **settings, "camera": camera})

@@ -25,7 +25,7 @@ FROM_ABOVE = {"streaked tape"}
 
 
 def looks() -> dict[str, dict[str, object]]:
-    """Settings by caption: floors under worn tape, then lines."""
+    """Return settings by caption: floors under worn tape, then lines."""
     floors = [name for name in get_args(FloorName) if name != "image"]
     made: dict[str, dict[str, object]] = {
         f"{name} floor": {"floor": {"material": name, "yaw_deg": 20}} for name in floors

@@ -29,7 +29,7 @@ LINE = {
 
 
 def sample_arena(surface: SurfaceName) -> Arena:
-    """A line, an obstacle and a wall, both of `surface`."""
+    """Return an arena with a line, and with an obstacle and a wall of `surface`."""
     wall = {"name": "wall", "start": (0.85, -0.8), "end": (0.85, 0.8), "surface": surface}
     obstacle = {"name": "box", "center": (0.5, -0.17), "yaw_deg": 25, "surface": surface}
     config = {"name": "sample", "line": LINE, "walls": [wall], "obstacles": [obstacle]}
@@ -41,7 +41,7 @@ def nominal_robot() -> RobotConfig:
 
 
 def rendered_images(job: RenderJob, folder: Path) -> list[Image]:
-    """(H, W, 3), blue first, of each of the job's frames; rendered into `folder` where they are missing."""
+    """Return the job's images (H, W, 3), blue first; those that are missing in `folder` are rendered."""
     folder.mkdir(parents=True, exist_ok=True)
     file, images_dir = folder / "job.json", folder / "images"
     file.write_text(job.to_json())
@@ -50,7 +50,7 @@ def rendered_images(job: RenderJob, folder: Path) -> list[Image]:
 
 
 def save_page(captioned: Mapping[str, Sequence[Image]], columns: int, path: Path) -> None:
-    """Cells in rows, the images of each below one another, its caption below them."""
+    """Save a page of cells, each with its images below one another and a caption."""
     if not captioned:
         raise SystemExit("no such caption")
     cells = [Cell(np.vstack(images), (caption,)) for caption, images in captioned.items()]

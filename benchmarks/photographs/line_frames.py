@@ -63,7 +63,7 @@ class Kind:
 
 
 def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) -> LabelledFrames:
-    """`count` frames of each scene, path-traced into `folder` where they are missing."""
+    """Return `count` frames of each scene; those that are missing in `folder` are path-traced."""
     loaded, view = kind.scenario(), None if kind.view is None else load_scenario(kind.view)
     images, labels = [], []
     for scene in scenes:
@@ -80,7 +80,7 @@ def frames(kind: Kind, scenes: range, count: int, folder: Path, threads: int) ->
 
 
 def flat_frames(kind: Kind, scenes: range, count: int) -> LabelledFrames:
-    """The same by the flat renderer: no texture, no gloss, no shadows of lamps."""
+    """Return the same frames by the flat renderer: without texture, gloss and shadows of lamps."""
     loaded = kind.scenario()
     images, labels = [], []
     for scene in scenes:
@@ -94,7 +94,7 @@ def flat_frames(kind: Kind, scenes: range, count: int) -> LabelledFrames:
 def labelled_job(
     loaded: LoadedScenario, scene: int, count: int, view: LoadedScenario | None = None
 ) -> tuple[RenderJob, Array]:
-    """The rendering of a scene, and (count, len(ROWS)) labels [px]."""
+    """Return the render job of a scene, and its labels (count, len(ROWS)) [px]."""
     spec = draw_run(loaded, loaded.routes[0].name, scene + 1)
     rng = stream(_SEED, "geometry", scene)
     robot = _with_line_camera(spec.robot, rng)
@@ -119,7 +119,10 @@ def labelled_job(
 
 
 def centre_line(camera: Intrinsics, X_WC: Array, arena: Arena, rows: Sequence[float]) -> Array:
-    """(len(rows),) where the main line's middle crosses the rows [px]; NaN where not once, or too far aside."""
+    """Return where the middle of the main line crosses the rows, (len(rows),) [px].
+
+    It is NaN where the line crosses a row not exactly once, or too far aside.
+    """
     points = np.concatenate([p.at(np.linspace(0, p.length_m, 400)) for p in arena.line.pieces[:2]])
     pixels, depth = project(camera, X_WC, np.column_stack([points, np.zeros(len(points))]))
     u, v = np.where(depth[:, None] > 0.01, pixels, np.nan).T
@@ -134,7 +137,7 @@ def centre_line(camera: Intrinsics, X_WC: Array, arena: Arena, rows: Sequence[fl
 
 
 def _with_line_camera(robot: RobotConfig, rng: np.random.Generator) -> RobotConfig:
-    """A camera on a boom ahead of the robot, 9 to 16 cm above the floor, with a cheap lens."""
+    """Return a robot with a camera on a boom ahead of it, 9 to 16 cm above the floor, with a cheap lens."""
     height_m, pitch_deg, focal_mm = rng.uniform(0.09, 0.16), rng.uniform(72, 90), rng.uniform(25, 36)
     corner = 0.5 * robot.camera.sensor_width_mm * np.hypot(1, HEIGHT_PX / WIDTH_PX) / focal_mm
     # r + k1 r^3 reaches the corner before it folds back where k1 > -4 / (27 corner^2).
@@ -150,7 +153,7 @@ def _with_line_camera(robot: RobotConfig, rng: np.random.Generator) -> RobotConf
 
 
 def _line(rng: np.random.Generator, robot: RobotConfig, width_m: float | None) -> ArenaConfig:
-    """A straight that goes on in a bend, and a branch at right angles, cut off where it meets the main line."""
+    """Return a straight that continues in a bend, and a branch at right angles that ends at the main line."""
     camera = robot.camera
     height_m = robot.chassis.base_height_m + camera.height_above_base_m
     if width_m is None:
@@ -167,7 +170,10 @@ def _line(rng: np.random.Generator, robot: RobotConfig, width_m: float | None) -
 
 
 def _pose(rng: np.random.Generator, arena: Arena, robot: RobotConfig, number: int) -> FramePose:
-    """The camera looks near the line, turned by up to 50 deg; in a third of the cases where the branch leaves it."""
+    """Return a pose from which the camera looks near the line, turned by up to 50 deg.
+
+    In a third of the cases it looks at the place where the branch begins.
+    """
     straight, bend = arena.line.pieces[:2]
     near_branch = rng.random() < 1 / 3
     s_m = 0.35 + rng.uniform(-0.06, 0.06) if near_branch else rng.uniform(0.1, 1.1)

@@ -1,4 +1,4 @@
-"""Where the line is in a row of a image: a regressor on oriented gradients, and two plain methods beside it."""
+"""Where the line is in a row of an image: a regressor on oriented gradients, and two plain methods beside it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -49,12 +49,12 @@ class Regressor:
 
     @classmethod
     def fit(cls, training: LabelledFrames) -> "Regressor":
-        """Ridges are chosen by cross-validation over the training's own scenes."""
+        """Return a regressor; its ridges are chosen by cross-validation over the scenes of the training."""
         rng = stream(0, "starts")
         return cls(tuple(_stage(training, rng, *numbers) for numbers in zip(_SEEN_PX, _OFF_PX, _STARTS, strict=True)))
 
     def places(self, images: Grey) -> Array:
-        """(N, len(ROWS)) [px] of images (N, H, W, 3)."""
+        """Return the places (N, len(ROWS)) [px] in images (N, H, W, 3)."""
         x_px = np.full((len(images), len(ROWS)), 0.5 * (WIDTH_PX - 1))
         grey = _grey(images)
         for stage in self.stages:
@@ -72,7 +72,8 @@ def constant(training: LabelledFrames) -> Callable[[Grey], Array]:
 
 
 def dark_blob(images: Grey) -> Array:
-    """(N, len(ROWS)) middle of the widest dark run in each row, dark by Otsu's threshold of the smoothed image."""
+    """Return the middle of the widest dark run in each row, (N, len(ROWS)); dark is by Otsu's threshold after
+    smoothing."""
     middle_px = np.full((len(images), len(ROWS)), 0.5 * (WIDTH_PX - 1))
     for n, image in enumerate(_grey(images)):
         smooth = cv2.GaussianBlur(image, (0, 0), 2.0)
@@ -112,17 +113,17 @@ def _stage(training: LabelledFrames, rng: np.random.Generator, seen_px: int, off
 
 
 def _solved(square: Array, across: Array, ridge: float) -> Array:
-    """Weights of which all but the constant are held small."""
+    """Return the weights of a ridge regression, in which the constant is free."""
     held = ridge * np.eye(len(square))
     held[-1, -1] = 0
     return np.linalg.solve(square + held, across)
 
 
 def _described(grey: Grey, x_px: Array, seen_px: int) -> NDArray[np.float32]:
-    """(N, len(ROWS), F) gradients about the places (N, len(ROWS)) in images (N, H, W).
+    """Return the gradients (N, len(ROWS), F) about the places (N, len(ROWS)) in images (N, H, W).
 
-    Histograms of signed gradients (Dalal and Triggs 2005): a line's two edges differ in what they turn into. Beyond
-    its border a image goes on as it ends.
+    They are histograms of signed gradients (Dalal and Triggs 2005), because the two edges of a line have opposite
+    signs. Beyond its border an image continues with the values at the border.
     """
     hog = cv2.HOGDescriptor(
         _winSize=_PATCH, _blockSize=(16, 16), _blockStride=(8, 8), _cellSize=(8, 8), _nbins=9, _signedGradient=True
@@ -142,7 +143,7 @@ def _described(grey: Grey, x_px: Array, seen_px: int) -> NDArray[np.float32]:
 
 
 def _mirrored(known: LabelledFrames) -> Iterator[tuple[Grey, Array]]:
-    """The images as they are, left to right, upside down, and both; the rows lie alike from top and bottom."""
+    """Yield the images as they are, mirrored left to right, upside down, and both, with the labels of the same rows."""
     if not np.allclose(np.array(ROWS)[::-1], HEIGHT_PX - 1 - np.array(ROWS)):
         raise ValueError("mirrored images have other rows")
     for images, x_px in ((known.images, known.x_px), (known.images[:, ::-1], known.x_px[:, ::-1])):
@@ -151,5 +152,5 @@ def _mirrored(known: LabelledFrames) -> Iterator[tuple[Grey, Array]]:
 
 
 def _grey(images: Grey) -> Grey:
-    """(N, H, W)."""
+    """Return grey images (N, H, W)."""
     return np.array([cv2.cvtColor(np.ascontiguousarray(p), cv2.COLOR_BGR2GRAY) for p in images], np.uint8)

@@ -44,7 +44,7 @@ class Figures:
 
     @classmethod
     def of(cls, error_px: Array, group: Array) -> "Figures":
-        """Of errors (N, R) with NaN where there is no label."""
+        """Return the figures of errors (N, R), which are NaN where there is no label."""
         rng, names = stream(0, "bootstrap"), np.unique(group)
         parts = [error_px[group == name].ravel() for name in names]
         draws = [np.concatenate([parts[i] for i in rng.integers(0, len(parts), len(parts))]) for _ in range(BOOTSTRAP)]

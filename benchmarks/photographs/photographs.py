@@ -20,13 +20,13 @@ class Photographs:
     """(N, len(ROWS)), NaN where there is no label."""
 
     def labelled(self) -> LabelledFrames:
-        """Those with at least one label, each a group of its own."""
+        """Return those with at least one label, each as a group."""
         has = np.flatnonzero(np.isfinite(self.x_px).any(axis=1))
         return LabelledFrames(self.images[has], self.x_px[has], has)
 
 
 def photographs(folder: Path, *, branch: bool) -> Photographs:
-    """Labels of the rows along which a branch lies too, or of those without.
+    """Return the labels of the rows with a branch beside the line, or of the rows without one.
 
     Raises:
         SystemExit: A photograph is missing.

@@ -60,7 +60,7 @@ def main() -> None:
 
 
 def rays(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and ends, (270, 3) each: three cones of 90 rays from a drawn pose."""
+    """Return origins and ends, (270, 3) each: three cones of 90 rays from a drawn pose."""
     origin = np.append(rng.uniform(-0.4, 0.4, 2), 0.05)
     heading = rng.uniform(-np.pi, np.pi) + np.repeat([0.0, 0.5 * np.pi, -0.5 * np.pi], RAYS // 3)
     yaw = heading + np.radians(rng.uniform(-12.5, 12.5, RAYS))

@@ -29,7 +29,7 @@ REPEATS = 5
 
 
 def varied(robot: RobotConfig, robots: int) -> list[RobotConfig]:
-    """The same robot with another winding, friction, inertia and geometry each time."""
+    """Return copies of a robot with another winding, friction, inertia and geometry each."""
     rng = np.random.default_rng(1)
     changed = []
     for factors in 1.0 + 0.01 * rng.standard_normal((robots, 7)):
@@ -45,7 +45,7 @@ def varied(robot: RobotConfig, robots: int) -> list[RobotConfig]:
 
 
 def milliseconds(stage: Stage, robots: Sequence[RobotConfig]) -> float:
-    """Of processor time, the shortest of several, since other work on the machine only adds."""
+    """Return the shortest of several processor times, since other work on the machine only adds to them."""
     times = []
     for _ in range(REPEATS):
         begin = process_time()
@@ -55,7 +55,7 @@ def milliseconds(stage: Stage, robots: Sequence[RobotConfig]) -> float:
 
 
 def changes_prediction(stage: Stage, robots: Sequence[RobotConfig], with_effect: Sequence[RobotConfig]) -> bool:
-    """Whether an effect changes what the stage predicts."""
+    """Return whether an effect changes what the stage predicts."""
     both = (stage.predict(several[:1]) for several in (robots, with_effect))
     return any(
         not np.array_equal(a.mean, b.mean, equal_nan=True) or not np.array_equal(a.sd, b.sd)

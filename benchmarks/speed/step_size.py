@@ -97,7 +97,7 @@ def lap_voltages(spec: RunSpec) -> Voltages:
 
 
 def drive(robot: RobotConfig, voltages: Voltages, physics_hz: int) -> tuple[np.ndarray, float]:
-    """Poses (N, 3) at `ROWS_HZ`, and the wall time [s]."""
+    """Return poses (N, 3) at `ROWS_HZ`, and the wall time [s]."""
     floor = Arena("open", 8.0, 0.85, Line((), 0.015, 0.05), ())
     rates = Rates(physics_hz=physics_hz)
     row_steps = physics_hz // ROWS_HZ

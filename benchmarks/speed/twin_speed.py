@@ -57,7 +57,7 @@ def main() -> None:
 
 
 def time_twin(robot: RobotConfig, step_s: float, trials: int) -> tuple[TwinRun, float]:
-    """The run and its wall time [s]."""
+    """Return the run and its wall time [s]."""
     rows = [[pair] * round((end - begin) / step_s) for (begin, *pair), (end, *_) in pairwise(PROFILE.rows)]
     voltages = np.array([pair for part in rows for pair in part])[:, None]
     model = RobotModel.from_config(robot)

@@ -115,7 +115,7 @@ def _all_steps(grey: Array, x_px: Array, rows_px: Sequence[float]) -> list[_Step
 
 
 def _steps(grey: Array, row: float, x: float) -> list[_Step]:
-    """The edges to both sides of the line's middle, on the mean of the two rows about `row`."""
+    """Return the edges on both sides of the line's middle, in the mean of the two rows about `row`."""
     profile = grey[int(row) : int(row) + 2].mean(axis=0)
     middle = round(x)
     line = float(np.median(profile[middle - 4 : middle + 5]))
@@ -141,7 +141,7 @@ def _contrast(step: _Step, *, is_dark: bool) -> float:
 
 
 def _first_above(profile: Array, level: float) -> float:
-    """Where a profile first rises through a level, between its samples."""
+    """Return where a profile first rises through a level, interpolated between its samples."""
     at = max(1, int(np.argmax(profile > level)))
     return at - 1 + float((level - profile[at - 1]) / max(profile[at] - profile[at - 1], 1e-6))
 
@@ -156,7 +156,7 @@ def _spectrum(grey: Array) -> tuple[Array, Array]:
 
 
 def _fitted_slope(frequency: Array, power: Array) -> float:
-    """By least squares over ten bands, each as wide as the others on the logarithmic scale."""
+    """Return the slope by least squares over ten bands of equal width on the logarithmic scale."""
     edges = np.geomspace(frequency.min(), frequency.max() * 1.0001, 11)
     band = np.digitize(frequency, edges)
     middles = np.array([np.log(frequency[band == b]).mean() for b in range(1, 11)])

@@ -52,7 +52,7 @@ class Run:
         return sorted((variant(each), frozenset(each["ambiguous_with"])) for each in self.answer["effects"])
 
     def numbers(self, key: str) -> dict[tuple[str, str], float]:
-        """`parameters` or `std` of every name."""
+        """Return the `parameters` or the `std` of every name."""
         return {
             (variant(each), name): value
             for each in self.answer["effects"]

@@ -61,7 +61,7 @@ FIGURES: tuple[tuple[str, str, Outcomes], ...] = (
 
 
 def table(scores: Sequence[Score]) -> list[str]:
-    """Lines to print."""
+    """Return the lines of the table."""
     kinds = sorted({each.kind for each in scores})
     lines = [f"{'':34s} {'required':8s} {'all':24s} " + " ".join(f"{kind:14s}" for kind in kinds)]
     for name, required, outcomes in FIGURES:

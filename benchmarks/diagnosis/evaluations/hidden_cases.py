@@ -95,7 +95,7 @@ def judged_case(plan: Plan, known: Mapping[str, Judged]) -> tuple[Case, Judged]:
 
 
 def _detectable(plan: Plan) -> tuple[Case, int]:
-    """The case, and the number of the draw."""
+    """Return the first draw of a plan that shows what it hides, or the last draw, and the number of the draw."""
     attempt, case = 0, _drawn(plan, 0)
     while attempt + 1 < TRIES and not _shows(case):
         attempt += 1

@@ -159,7 +159,7 @@ def _minutes(case: Case) -> float:
 
 
 def _is_excused(effect: Mapping, excuses: AbstractSet[str], case: Case) -> bool:
-    """Whether it says what is wrong with the stated noise or zero, and for a scale, on the right side."""
+    """Return whether an effect describes an error of the stated noise or zero, for a scale with the right sign."""
     if effect["name"] not in excuses:
         return False
     factor, scale = case.day.noise.get("polynomial_mm", 1.0), effect["parameters"].get("scale")
@@ -167,13 +167,13 @@ def _is_excused(effect: Mapping, excuses: AbstractSet[str], case: Case) -> bool:
 
 
 def variant(effect: Mapping) -> str:
-    """Name of an effect of an answer, with its discrete parameter."""
+    """Return the name of an effect of an answer, with its discrete parameter."""
     words = [value for value in effect.get("parameters", {}).values() if isinstance(value, str)]
     return f"{effect['name']}[{words[0]}]" if words else effect["name"]
 
 
 def _matches(truths: Sequence[set[str]], sets: Sequence[set[str]], largest: int) -> bool:
-    """Whether there is one set for every truth, in some order, with a name of it inside."""
+    """Return whether each truth can be paired with a set of its own that contains one of its names."""
     if len(truths) != len(sets) or any(len(each) > largest for each in sets):
         return False
     return any(all(a & b for a, b in zip(truths, order, strict=True)) for order in itertools.permutations(sets))

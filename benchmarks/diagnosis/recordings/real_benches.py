@@ -48,7 +48,8 @@ class BenchResult:
 
 
 def motors(folder: Path) -> Iterator[BenchResult]:
-    """Each wheel in each set fitted on three rows of four, and judged on the fourth, on the other set and wheel."""
+    """Yield the result of each wheel in each set: fitted on three rows of four, judged on the fourth and on the
+    others."""
     sets = {number: micromouse.IMPORTER.read(folder / f"wheelSpeedCalibration{number}.csv") for number in SETS}
     parts = {f"set {number}, {wheel}": of_part(read, wheel) for number, read in sets.items() for wheel in SIDES}
     for name, measurement in parts.items():
@@ -66,7 +67,7 @@ def motors(folder: Path) -> Iterator[BenchResult]:
 
 
 def _faster_than_free(data: Measurement) -> Iterator[str]:
-    """Rows in which the back-EMF alone is above the mean voltage: no friction, resistance or supply makes that."""
+    """Yield rows whose back-EMF alone exceeds the mean voltage, which no friction, resistance or supply can cause."""
     constant = micromouse.nominal_motor().motor.torque_constant_N_m_A.value
     (trial,) = data.trials
     volts, speed = trial["u_cmd_V"].values, np.where(trial["omega_rad_s"].good, trial["omega_rad_s"].values, np.nan)
@@ -81,7 +82,10 @@ def _faster_than_free(data: Measurement) -> Iterator[str]:
 
 
 def range_sensor_at_rest(path: Path) -> BenchResult:
-    """Means over a second, the second half of every ten minutes held out; of the true distance only that it stays."""
+    """Return the result for means over a second; the second half of every ten minutes is held out.
+
+    The true distance is not known, only that it stays the same.
+    """
     record = read_rest_recording(path)
     rate = round(record.rate_hz)
     seconds = len(record.readings_mm) // rate

@@ -61,7 +61,7 @@ class Fitted:
 
 
 def fitted_drives(folder: Path) -> Iterator[Fitted]:
-    """Each session, each kind of path, then all together; the folder has a folder for each kind."""
+    """Yield the fits of each session, of each kind of path, and of all together; each kind has a folder."""
     sessions = sorted(path for kind in KINDS for path in (folder / kind).iterdir() if path.is_dir())
     for path in (*sessions, *(folder / kind for kind in KINDS)):
         measurement = IMPORTER.read(path)
@@ -179,7 +179,7 @@ class _Judge:
     robots: Mapping[str, RobotConfig]
 
     def missed(self, judged: Measurement, chosen: Sequence[bool]) -> Mapping[str, tuple[Missed, ...]]:
-        """What each method misses of the ends of the runs that are chosen."""
+        """Return the errors of each method at the ends of the chosen runs."""
         names = [trial.name for trial, is_in in zip(judged.trials, chosen, strict=True) if is_in]
         raw = [_run(Path(f)) for f, is_in in zip(judged.source.files, chosen, strict=True) if is_in]
         ends = {name: [odometry(run, w, COUNTS)[-1] for run in raw] for name, w in self.wheels.items()}
@@ -199,7 +199,7 @@ def _run(path: Path) -> Array:
 
 
 def _umbmark(files: Sequence[Path]) -> Wheels:
-    """Of each session by what its controller took for true; then the mean of the sessions."""
+    """Return the mean of the calibrations of all sessions, each from the wheels that its controller assumed."""
     calibrated = []
     for session in sorted({file.parent for file in files}):
         (metadata,) = session.glob("*_metadata.csv")

@@ -16,7 +16,7 @@ QUANTITIES = (("place_m", "end misplaced [mm]"), ("heading_rad", "heading off [m
 
 
 def by_session(fits: Sequence[Fitted], path: Path) -> None:
-    """Held-out runs of each session, predicted by what was fitted to its others."""
+    """Plot the held-out runs of each session, predicted by what was fitted to its other runs."""
     sessions = [fitted for fitted in fits if "/" in fitted.name]
     figure, panels = plt.subplots(2, 1, figsize=(11, 7.5), sharex=True)
     for axes, (name, label) in zip(panels, QUANTITIES, strict=True):
@@ -42,7 +42,7 @@ def by_session(fits: Sequence[Fitted], path: Path) -> None:
 
 
 def one_robot(fitted: Fitted, path: Path) -> None:
-    """All kinds of path by one robot, fitted to two thirds of all runs."""
+    """Plot all kinds of path by one robot, fitted to two thirds of all runs."""
     figure, panels = plt.subplots(2, 1, figsize=(9, 7))
     for axes, (name, label) in zip(panels, QUANTITIES, strict=True):
         begin = 0

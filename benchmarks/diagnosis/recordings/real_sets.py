@@ -93,7 +93,7 @@ def rms(missed: Sequence[Missed]) -> tuple[float, float, float]:
 
 
 def drive_table(results: Sequence[Fitted]) -> list[str]:
-    """A line for each fit and each set of runs that it is judged on."""
+    """Return a table with a row for each fit and each set of runs on which it is judged."""
     lines = [f"| fitted on | judged on | runs | {' | '.join(METHODS)} |", f"|---|---|---|{'---|' * len(METHODS)}"]
     for fitted in results:
         for judged, by in fitted.missed.items():
@@ -107,7 +107,7 @@ def drive_table(results: Sequence[Fitted]) -> list[str]:
 
 
 def fit_table(results: Sequence[Fitted]) -> list[str]:
-    """What each fit named, with numbers, and what it could not."""
+    """Return a table of the effects that each fit named, their numbers, and what it could not name."""
     lines = ["| fitted on | named | fitted within tolerance | given up | unexplained | windows held out [sigma] |"]
     lines.append("|---|---|---|---|---|---|")
     for f in results:
@@ -117,7 +117,7 @@ def fit_table(results: Sequence[Fitted]) -> list[str]:
 
 
 def bench_table(results: Iterable[BenchResult]) -> list[str]:
-    """What was named, and the errors before and after."""
+    """Return a table of what was named, and of the errors before and after."""
     lines = ["| fitted on | judged on | rows | nominal | calibrated | extended |", "|---|---|---|---|---|---|"]
     notes = []
     for result in results:

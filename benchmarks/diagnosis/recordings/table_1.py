@@ -141,7 +141,7 @@ def _square(u: Array, i: Array, w: Array) -> Array:
 
 
 def _heat(u: Array, i: Array, w: Array) -> Array:
-    """Of a resistance that grows with the power in the winding, i^2."""
+    """Return the regressor of a resistance that grows with the power in the winding, i^2."""
     del u, w
     return i**3
 
@@ -161,7 +161,8 @@ _CANDIDATES: tuple[tuple[str, Extra, Callable[[float, float], tuple[str, str]]],
 
 
 def drag() -> tuple[float, float, float]:
-    """Of a drag c w^2 [N m s^2/rad^2]: what the bent speed needs, and what the current allows, with its error."""
+    """Return drags c w^2 [N m s^2/rad^2]: that which the bent speed needs, and that which the current allows with its
+    error."""
     u, i, w = _moving()
     resistance, constant, number = np.linalg.lstsq(_regressors(_square, u, i, w), u, rcond=None)[0]
     H = np.stack([np.ones_like(w), w, w**2], axis=1)
@@ -171,13 +172,13 @@ def drag() -> tuple[float, float, float]:
 
 
 def table_1() -> str:
-    """The whole story as Markdown."""
+    """Return the whole comparison as Markdown."""
     diagnosis = diagnose(IMPORTER.read(Path("table-1")))
     return "\n".join([*diagnosed(diagnosis), "", *_mechanism_table(), "", *_effect_table(diagnosis)])
 
 
 def diagnosed(diagnosis: Diagnosis) -> list[str]:
-    """What was named, the errors of rows left out without and with it, and the stuck rows."""
+    """Return lines with the named effect, the errors of rows left out without and with it, and the stuck rows."""
     rms = {}
     for name, fit in (("before", diagnosis.selection.nominal), ("after", diagnosis.fit)):
         rms[name] = {
@@ -213,7 +214,7 @@ def _mechanism_table() -> list[str]:
 
 
 def _effect_table(diagnosis: Diagnosis) -> list[str]:
-    """Each effect that the bench can show, alone on the nominal motor."""
+    """Return a table of each effect that the bench can show, alone on the nominal motor."""
     lines = [
         "| effect alone, by the diagnosis | number | fall of the cost | speed left out [rad/s] |",
         "|---|---|---|---|",
@@ -242,7 +243,7 @@ def _sentence(name: str, values: Mapping[str, float], std: Mapping[str, float], 
 
 
 def plot(path: Path) -> None:
-    """How the speed bows about the straight line of the moving rows, and what mends it."""
+    """Plot the deviation of the speed from the straight line of the moving rows, and the effects that explain it."""
     import matplotlib.pyplot as plt  # noqa: PLC0415 - drawing alone needs it
 
     u, _, w = _moving()

@@ -52,14 +52,16 @@ def by_whole_paths(runs: Sequence[Array], nominal: Wheels, counts_per_turn: floa
 
 
 def umbmark(runs: Sequence[Array], side_m: float, driven: Wheels, counts_per_turn: float) -> Wheels:
-    """The closed form for squares driven both ways (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996)
-    869-880): track and ratio of the diameters from the centres of gravity of the errors at the end of the runs.
+    """Return the wheels by the closed form for squares that are driven in both directions.
+
+    Track and ratio of the diameters follow from the centres of gravity of the errors at the end of the runs (Borenstein
+    and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880).
 
     Args:
         runs: Squares, of either sense.
-        side_m: Of the square.
-        driven: What the controller took for true when it drove them.
-        counts_per_turn: Of a wheel.
+        side_m: Side of the square.
+        driven: Wheels that the controller assumed when it drove them.
+        counts_per_turn: Encoder counts of a turn of a wheel.
     """
     missed: dict[bool, list[Array]] = {True: [], False: []}
     for run in runs:
@@ -78,9 +80,9 @@ def umbmark(runs: Sequence[Array], side_m: float, driven: Wheels, counts_per_tur
 
 
 def with_turned_camera(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> tuple[Wheels, float]:
-    """`by_whole_paths` with one number more: how far the tracked heading stands off the wheels' own [rad].
+    """Return the wheels as `by_whole_paths`, and the angle of the tracked heading to that of the wheels [rad].
 
-    It shows the part of the remaining error that belongs to the camera's body and not to the robot.
+    The angle is the part of the remaining error that belongs to the camera's body and not to the robot.
     """
     start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
 
@@ -99,7 +101,7 @@ def with_turned_camera(runs: Sequence[Array], nominal: Wheels, counts_per_turn: 
 
 
 def turned(path: Array, angle_rad: float) -> Array:
-    """A path (n, 3) whose places are turned about its first one by an angle, its headings as they are."""
+    """Return a path (n, 3) whose places are turned about the first one by an angle; the headings stay."""
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     off = path[:, :2] - path[0, :2]
     places = path[0, :2] + np.stack([c * off[:, 0] - s * off[:, 1], s * off[:, 0] + c * off[:, 1]], axis=1)

@@ -1,4 +1,4 @@
-"""Processes that render side by side, each in its turn, so that all share the machine's good and bad moments."""
+"""Processes that render in turn, so that a change in the load of the machine affects all of them alike."""
 
 import json
 import os
@@ -23,15 +23,16 @@ _LOG_LINES = 15
 @dataclass(frozen=True)
 class Cost:
     core_s: float
-    """Time of all the process' threads."""
+    """Processor time of all threads of the process."""
     wall_s: float
 
 
 class RenderProcess:
-    """A process with its own scene, as `child_side` has it; `with` ends it.
+    """A process with its own scene, whose side of the protocol is `child_side`. As a context manager, it ends the
+    process.
 
     Raises:
-        ChildProcessError: It died; with the last lines of its log.
+        ChildProcessError: The process died; the message has the last lines of its log.
     """
 
     def __init__(
@@ -44,7 +45,7 @@ class RenderProcess:
         *,
         checkout: Path = CHECKOUT,
     ) -> None:
-        """Start it; `checkout` is the folder of the version that renders."""
+        """Start the process; `checkout` is the folder of the version that renders."""
         self._folder = tempfile.TemporaryDirectory(prefix="symolo-render-")
         folder = Path(self._folder.name)
         self._log = (folder / "log").open("w+b")

@@ -90,7 +90,7 @@ def print_equal(name: str, one: Rendered, other: Rendered) -> None:
 
 
 def print_difference(one: Rendered, other: Rendered) -> None:
-    """Prints how far the pixels of two devices differ, in units of the 8-bit image."""
+    """Print how far the pixels of two devices differ, in units of the 8-bit image."""
     psnr_db, mean, within = [], [], []
     for mine, theirs in zip(one.images(), other.images(), strict=True):
         difference = cv2.imread(str(mine)).astype(float) - cv2.imread(str(theirs))

@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def print_cost(name: str, process: RenderProcess, numbers: list[int], frames: int) -> None:
-    """Prints the cost of a frame in a run of so many, and the median of one."""
+    """Print the cost of a frame in a run of so many frames, and the median cost of one frame."""
     costs = [process.render([number]) for number in numbers]
     each = np.array([cost.core_s for cost in costs])
     whole = (process.set_up.core_s + each.sum() * frames / len(numbers)) / frames

@@ -99,7 +99,7 @@ def contenders(options: argparse.Namespace) -> list[Contender]:
 
 
 def _ours(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
-    """Fields of `TracingSettings` by what they are called; those of a quality as a run of that size has them."""
+    """Return fields of `TracingSettings` by the name of the choice; a quality has those of a run of that size."""
     by_name = {}
     for choice in options.ours:
         if isinstance(choice, QualitySettings):
@@ -131,7 +131,7 @@ def _quality(text: str) -> str | QualitySettings:
 
 
 def measured(views: Views, converged: dict[int, Reference], options: argparse.Namespace) -> list[Row]:
-    """All contenders under one look."""
+    """Return the rows of all contenders under one look."""
     numbers = [view.number for view in views.job.frames]
     metered = median_luminance(np.concatenate([converged[n].light().reshape(-1, 3) for n in numbers]))
     true = {n: develop(converged[n].light(), views.job.response, metered, n) for n in numbers}
@@ -189,7 +189,7 @@ def row(  # noqa: PLR0917 - what a row is made of
 
 
 def comparisons(views: Views, converged: dict[int, Reference]) -> list[Row]:
-    """What JPEG adds to the reference, and how far apart the two halves of the reference are."""
+    """Return rows with the error of JPEG, and with the difference between the two halves of the reference."""
     quality = views.job.response.jpeg_quality
     lights = {n: reference.light() for n, reference in converged.items()}
     metered = median_luminance(np.concatenate([light.reshape(-1, 3) for light in lights.values()]))
@@ -212,7 +212,7 @@ def _decoded(data: bytes) -> Image:
 
 
 def _keep_images(folder: Path, look: str, name: str, images: dict[int, Image], true: dict[int, Image]) -> None:
-    """Image, reference, and their difference eight times as strong about grey, side by side."""
+    """Save image, reference, and their difference eight times as strong about grey, side by side."""
     for number, image in images.items():
         apart = np.clip(128 + 8.0 * (image.astype(float) - true[number]), 0, 255).astype(np.uint8)
         sheet = np.hstack([image, true[number], apart])

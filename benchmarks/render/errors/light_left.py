@@ -34,7 +34,8 @@ from symolo.core.arrays import Array
 COMPLETE = "complete"
 IN_UNITS_OF_LIGHT = {"diffuse_bounces": 3, "glossy_bounces": 3, "sample_clamp_indirect": 1.0}
 """Properties of Cycles in 0.2: three bounces and a limit of 1000 cd/m2, whatever the exposure."""
-PROMISED = 0.03
+MAX_DEVIATION = 0.03
+"""Largest deviation of the share of light from 1 for the preset `standard` (docs/rendering.md)."""
 
 
 @dataclass(frozen=True)
@@ -132,27 +133,29 @@ def print_summary(rows: list[Row]) -> None:
     complete_s = np.mean([row.core_s for row in rows if row.setting == COMPLETE])
     print(f"\n{'setting':22} {'lowest':>7} {'median':>7} {'highest':>8}  within 3 %  time of `complete`")
     for name in dict.fromkeys(row.setting for row in rows):
-        of_setting = [row for row in rows if row.setting == name]
-        shares = np.array([row.share for row in of_setting])
-        inside = np.count_nonzero(np.abs(shares - 1) <= PROMISED)
+        setting_rows = [row for row in rows if row.setting == name]
+        shares = np.array([row.share for row in setting_rows])
+        inside = np.count_nonzero(np.abs(shares - 1) <= MAX_DEVIATION)
         low, middle, high = 100 * np.quantile(shares, [0, 0.5, 1])
-        cost = np.mean([row.core_s for row in of_setting]) / complete_s
+        cost = np.mean([row.core_s for row in setting_rows]) / complete_s
         print(f"{name:22} {low:6.1f}% {middle:6.1f}% {high:7.1f}%  {inside} of {len(shares)}   {cost:.2f}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--looks", nargs="*", choices=LOOKS, default=list(LOOKS))
-    parser.add_argument("--draws", type=int, default=30, help="of extreme")
+    parser.add_argument("--draws", type=int, default=30, help="draws of the look extreme")
     parser.add_argument("--poses", type=int, default=3)
     parser.add_argument("--seeds", type=int, default=4)
-    parser.add_argument("--samples", type=int, default=8, help="of each image")
+    parser.add_argument("--samples", type=int, default=8, help="samples of each image")
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--clamps", nargs="*", type=float, default=[], help="further limits, in multiples of white")
     parser.add_argument("--bounces", nargs="*", type=int, default=[], help="further numbers of bounces")
     parser.add_argument("--denoised", action="store_true", help="also the light of denoised images")
     parser.add_argument("--hybrid", action="store_true", help="also the light of hybrid images")
-    parser.add_argument("--seed", type=int, default=secrets.randbelow(2**31), help="of the draws; default: a new one")
+    parser.add_argument(
+        "--seed", type=int, default=secrets.randbelow(2**31), help="seed of the draws; default: a new one"
+    )
     parser.add_argument("--out", type=Path, help="JSON file of the rows")
     options = parser.parse_args()
     sys.stdout = reply_stream()  # Blender writes to the standard output, which now is the standard error
@@ -161,8 +164,8 @@ def main() -> None:
     rows: list[Row] = []
     with tempfile.TemporaryDirectory() as scratch:
         for case in random_cases(options.looks, options.draws, options.seed):
-            rows += (of_case := rows_of(case, options, Path(scratch)))
-            print_case(of_case)
+            rows += (case_rows := rows_of(case, options, Path(scratch)))
+            print_case(case_rows)
     print_summary(rows)
     if options.out:
         options.out.write_text(json.dumps({"seed": options.seed, "rows": [asdict(row) for row in rows]}, indent=1))

@@ -30,7 +30,7 @@ PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}
 
 
 def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> dict[int, str]:
-    """SHA-256 of each frame's file, by number."""
+    """Return the SHA-256 of each frame's file, by number."""
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch, "job.json")
         file.write_text(job.to_json())
@@ -39,7 +39,7 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
 
 
 def _settings(name: str, options: argparse.Namespace) -> dict[str, Any]:
-    """Fields of `TracingSettings`."""
+    """Return fields of `TracingSettings` for a choice."""
     if name == "hybrid":
         width_px, height_px = options.size
         return {"hybrid": hybrid_samples(Render(width_px=width_px, height_px=height_px))}

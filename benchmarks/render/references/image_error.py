@@ -24,7 +24,7 @@ def mean_square(image: Image, reference: Image) -> float:
 
 
 def psnr_dB(mean_square_error: float) -> float:
-    """Of a mean square in levels of 255; infinite for none."""
+    """Return the PSNR of a mean square error in levels of 255; infinite for none."""
     return float(10 * np.log10(255**2 / mean_square_error)) if mean_square_error else float("inf")
 
 

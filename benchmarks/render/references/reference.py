@@ -36,7 +36,7 @@ class Reference:
 
 
 def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict[int, Reference]:
-    """Of each of the job's frames, by number, with complete light paths; those in `folder` are taken from there.
+    """Return the reference of each of the job's frames by number, with complete light paths; `folder` keeps them.
 
     Raises:
         ValueError: Fewer samples than a reference must have.
@@ -70,7 +70,7 @@ def _file_name(job: RenderJob, number: int, samples: int, seed: int) -> str:
 
 
 def clean(passes: np.ndarray) -> np.ndarray:
-    """(H, W, 3) light of the (5, H, W, 3) `PASSES`."""
+    """Return the light (H, W, 3) of the `PASSES` (5, H, W, 3)."""
     by_name = dict(zip(PASSES, passes, strict=True))
     diffuse = by_name["DiffDir"] + by_name["DiffInd"]
     rest = np.maximum(by_name["Combined"] - by_name["DiffCol"] * diffuse, 0)

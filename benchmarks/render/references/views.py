@@ -1,4 +1,4 @@
-"""What the rendering benchmarks look at: the robot in the dataset's arena, under a look."""
+"""Views for the rendering benchmarks: the robot in the dataset's arena, under a look."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -29,29 +29,30 @@ _PITCHES_DEG = 15.0, 60.0
 
 @dataclass(frozen=True)
 class Views:
-    """A look's images of sharp, steady moments: light paths are compared, not shutters."""
+    """Views under a look, without an exposure time, since light paths are compared and not shutters."""
 
     look: str
     job: RenderJob
-    """Without camera noise."""
+    """Job without camera noise."""
     shot_noise: float
     read_noise: float
-    """What the look draws."""
+    """Noise of the camera that the look draws."""
 
     def noisy(self) -> RenderJob:
+        """Return the job with the noise of the camera."""
         return replace(
             self.job, response=replace(self.job.response, shot_noise=self.shot_noise, read_noise=self.read_noise)
         )
 
 
 def views_of(look: str, poses: tuple[tuple[float, float, float], ...], size: tuple[int, int]) -> Views:
-    """The first run's draw of a look, seen from each pose."""
+    """Return the first run's draw of a look, seen from each pose."""
     return _views(look, drawn(look, size), poses)
 
 
 @dataclass(frozen=True)
 class RandomCase:
-    """A draw of a look that nobody has seen before, with a random camera."""
+    """A new draw of a look, with a random camera."""
 
     look: str
     number: int
@@ -128,7 +129,7 @@ def _views(
 
 
 def job_along_the_line(look: str, frames: int, size: tuple[int, int]) -> RenderJob:
-    """A robot that follows the line without error, 0.16 m/s and 5 images a second, round after round.
+    """Return the job of a robot that follows the line without error at 0.16 m/s, with 5 images a second, for many laps.
 
     It leaves out the places at which it would be inside an obstacle.
     """
@@ -152,6 +153,6 @@ def job_along_the_line(look: str, frames: int, size: tuple[int, int]) -> RenderJ
 def drawn(look: str, size: tuple[int, int], settings: Sequence[str] = (), run: int = 1) -> RunSpec:
     """Return a run of the dataset's scenario under a look, without an exposure time."""
     width, height = size
-    of_benchmarks = [f"look={look}", "look.camera.exposure_time_s=0", "render.method=full"]
-    of_benchmarks += [f"render.width_px={width}", f"render.height_px={height}"]
-    return draw_run(load_scenario("symolo", [*of_benchmarks, *settings]), "CW", run)
+    fixed = [f"look={look}", "look.camera.exposure_time_s=0", "render.method=full"]
+    fixed += [f"render.width_px={width}", f"render.height_px={height}"]
+    return draw_run(load_scenario("symolo", [*fixed, *settings]), "CW", run)
