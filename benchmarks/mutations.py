@@ -330,12 +330,12 @@ def _print(rows: list[Row]) -> None:
     table = [["module", "changes", "noticed", "equivalent", "survived"]]
     total = [0, 0, 0, 0]
     for module in TESTS:
-        of_module = [row for row in rows if row.module == module and row.outcome != UNIMPORTABLE]
-        survivors = [row for row in of_module if row.outcome == SURVIVED]
+        module_rows = [row for row in rows if row.module == module and row.outcome != UNIMPORTABLE]
+        survivors = [row for row in module_rows if row.outcome == SURVIVED]
         real = [row for row in survivors if not any(_is_equivalent(row, entry) for entry in listed)]
         for row in real:
             print(f"{row.module}:{row.line}\n    - {row.before}\n    + {row.after}")
-        counts = [len(of_module), len(of_module) - len(survivors), len(survivors) - len(real), len(real)]
+        counts = [len(module_rows), len(module_rows) - len(survivors), len(survivors) - len(real), len(real)]
         total = [sum(pair) for pair in zip(total, counts, strict=True)]
         table.append([module, *map(str, counts)])
     for module, *counts in [*table, ["all", *map(str, total)]]:

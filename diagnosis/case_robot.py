@@ -33,8 +33,8 @@ def spreads_of(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, 
     """Return the nuisances that the measurement states, or else the usual ones."""
     if (case := measurement.nominal) is not None:
         return usual_of_log(case) if isinstance(case, NominalLog) else nuisances(case)
-    of_drive = (command_timing(), creep_on_the_spot()) if measurement.kind is CaseKind.DRIVE_LOG else ()
-    return (*usual(robot), *of_drive)
+    drive_nuisances = (command_timing(), creep_on_the_spot()) if measurement.kind is CaseKind.DRIVE_LOG else ()
+    return (*usual(robot), *drive_nuisances)
 
 
 def checked_against(measurement: Measurement, robot: RobotConfig) -> Measurement:

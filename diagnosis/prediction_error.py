@@ -150,8 +150,8 @@ def _around(diagnosis: Diagnosis, linear: Sequence[int]) -> tuple[list[RobotConf
     """
     fit = diagnosis.fit
     hypothesis, x = fit.hypothesis.of_robot(fit.x)
-    kept = [*np.flatnonzero(~fit.hypothesis.is_local).tolist(), *linear]
-    covariance = fit.covariance[np.ix_(kept, kept)].copy()
+    columns = [*np.flatnonzero(~fit.hypothesis.is_local).tolist(), *linear]
+    covariance = fit.covariance[np.ix_(columns, columns)].copy()
     unknown = ~np.isfinite(np.diag(covariance))
     covariance[unknown], covariance[:, unknown] = 0.0, 0.0
     covariance[unknown, unknown] = UNDETERMINED**2
@@ -213,11 +213,11 @@ def _distance(
             seen[size] = (0.0, highest)
         change = np.nan_to_num(np.abs(predicted.mean[0] - predicted.mean[1]))
         covariates = (*conditions(observed, readings), (size, change))
-        present = [(name, of_rows) for name, of_rows in covariates if name in seen]
+        present = [(name, row_values) for name, row_values in covariates if name in seen]
         distance = np.zeros(len(observed.values))
-        for name, of_rows in present:
-            values.setdefault(name, []).append(of_rows)
-            distance = np.maximum(distance, relative_distance(of_rows, *seen[name]))
+        for name, row_values in present:
+            values.setdefault(name, []).append(row_values)
+            distance = np.maximum(distance, relative_distance(row_values, *seen[name]))
         distances.append(distance)
     return distances, list(_left(named, {name: np.concatenate(parts) for name, parts in values.items()}, seen))
 
@@ -237,11 +237,11 @@ def relative_distance(values: Array, low: float, high: float) -> Array:
 def _left(
     named: NamedEffect | DiscoveredLaw, values: Mapping[str, Array], seen: Mapping[str, tuple[float, float]]
 ) -> Iterator[Beyond]:
-    for name, of_rows in values.items():
-        distance = relative_distance(of_rows, *seen[name])
+    for name, row_values in values.items():
+        distance = relative_distance(row_values, *seen[name])
         share = float(np.mean(distance > MARGIN)) if len(distance) else 0.0
         if share > MIN_SHARE:
-            yield Beyond(named.effect.name, name, *seen[name], float(of_rows[np.argmax(distance)]), share)
+            yield Beyond(named.effect.name, name, *seen[name], float(row_values[np.argmax(distance)]), share)
 
 
 def _largest_changes(diagnosis: Diagnosis, named: NamedEffect | DiscoveredLaw) -> dict[str, float]:

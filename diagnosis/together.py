@@ -148,18 +148,18 @@ def joint_stages(measurement: Measurement, robot: RobotConfig) -> tuple[Stage, .
 def _stages(measurement: Measurement, robot: RobotConfig) -> Iterator[Stage]:
     first = 0
     for case in measurement.cases:
-        of_case = robot if case.nominal is None else nominal_robot(case.nominal, robot)
-        stated = _differing(robot, of_case)
-        for stage in STAGES[case.kind](case, of_case):
+        case_robot = robot if case.nominal is None else nominal_robot(case.nominal, robot)
+        stated = _differing(robot, case_robot)
+        for stage in STAGES[case.kind](case, case_robot):
             yield OfCase(stage, case.name, first, stated, has_play=case.kind not in DRIVES)
         first += len(case.trials)
 
 
-def _differing(robot: RobotConfig, of_case: RobotConfig) -> Mapping[str, Mapping[str, object]]:
+def _differing(robot: RobotConfig, case_robot: RobotConfig) -> Mapping[str, Mapping[str, object]]:
     """Return the values of one robot that differ from those of another, by section; effects are left out."""
     differing: dict[str, dict[str, object]] = {}
     for name in type(robot).model_fields:
-        section, other = getattr(of_case, name), getattr(robot, name)
+        section, other = getattr(case_robot, name), getattr(robot, name)
         if isinstance(section, Section) and section != other:
             differing[name] = {key: value for key, value in vars(section).items() if value != getattr(other, key)}
     return MappingProxyType(differing)

@@ -113,6 +113,6 @@ class TickCount:
         if missed > 0 and last < MAX_TICKS:
             # Which frames were lost is not known: each is assumed to hold the mean increment.
             share = missed / len(earlier)
-            right, left = (round(share * sum(side)) for side in zip(*earlier, strict=True))
+            right, left = (round(share * sum(speeds)) for speeds in zip(*earlier, strict=True))
             self._lost = (self._lost[0] + right, self._lost[1] + left)
         return False

@@ -56,8 +56,8 @@ def main() -> None:
             symolo("train", str(training), "--inputs", inputs, "--out", str(model))
             print(f"{inputs}: trained in {time.monotonic() - began:.0f} s", flush=True)
         arguments = ["--methods", "learned", "--model", str(model), *accuracy]
-        of_model = baselines(judged, options.out / f"{name}-{start}", *arguments)
-        results |= {f"learned ({inputs})": of_model["learned"]}
+        errors_of_model = baselines(judged, options.out / f"{name}-{start}", *arguments)
+        results |= {f"learned ({inputs})": errors_of_model["learned"]}
     print_table(results)
 
 
@@ -93,9 +93,9 @@ def print_table(results: dict[str, list[dict[str, float]]]) -> None:
     for method, runs in results.items():
         if method.startswith("learned"):
             ratios = [errors["ate_m"] / odometry for errors, odometry in zip(runs, odometry_m, strict=True)]
-            of_medians = median(errors["ate_m"] for errors in runs) / median(odometry_m)
+            by_medians = median(errors["ate_m"] for errors in runs) / median(odometry_m)
             print(
-                f"{method}: {of_medians:.2f} of odometry by the medians; by lap {min(ratios):.2f} to {max(ratios):.2f}"
+                f"{method}: {by_medians:.2f} of odometry by the medians; by lap {min(ratios):.2f} to {max(ratios):.2f}"
             )
 
 

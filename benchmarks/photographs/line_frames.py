@@ -159,10 +159,10 @@ def _line(rng: np.random.Generator, robot: RobotConfig, width_m: float | None) -
     if width_m is None:
         drawn_m = rng.uniform(0.14, 0.32) * height_m * camera.sensor_width_mm / camera.focal_length_mm
         width_m = min(drawn_m, 0.1)
-    radius_m, side = float(np.exp(rng.uniform(np.log(0.25), np.log(2.0)))), rng.choice([-1.0, 1.0])
+    radius_m, bend_sign = float(np.exp(rng.uniform(np.log(0.25), np.log(2.0)))), rng.choice([-1.0, 1.0])
     turned = np.degrees(0.5 / radius_m)
-    bend = {"kind": "arc", "center": (0.0, side * radius_m), "radius_m": radius_m}
-    bend |= {"start_deg": -90 * side, "end_deg": side * (turned - 90)}
+    bend = {"kind": "arc", "center": (0.0, bend_sign * radius_m), "radius_m": radius_m}
+    bend |= {"start_deg": -90 * bend_sign, "end_deg": bend_sign * (turned - 90)}
     away, edge_m = rng.choice([-1.0, 1.0]), 0.5 * width_m + rng.uniform(0, 0.004)
     branch = {"kind": "straight", "start": (-0.35, away * edge_m), "end": (-0.35, away * 0.4)}
     pieces = [{"kind": "straight", "start": (-0.7, 0.0), "end": (0.0, 0.0)}, bend, branch]

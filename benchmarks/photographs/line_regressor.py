@@ -105,12 +105,12 @@ def main() -> None:
         print(f"{name}: {settings[name]}", flush=True)
     errors = {test: {m: np.abs(f(seen.images) - seen.x_px) for m, f in methods.items()} for test, seen in tests.items()}
     results = {
-        test: {method: Figures.of(error, tests[test].group) for method, error in of_method.items()}
-        for test, of_method in errors.items()
+        test: {method: Figures.of(error, tests[test].group) for method, error in method_errors.items()}
+        for test, method_errors in errors.items()
     }
     print(f"{'':28}{'':22}median [px] (90 % range)   90 % below [px]   in % of {WIDTH_PX} px")
-    for test, of_method in results.items():
-        for method, f in of_method.items():
+    for test, method_errors in results.items():
+        for method, f in method_errors.items():
             spread = f"{f.median_px:6.2f} ({f.median_low_px:.2f} to {f.median_high_px:.2f})"
             percent = f"{100 * f.median_px / WIDTH_PX:.1f}, {100 * f.p90_px / WIDTH_PX:.1f}"
             print(f"{test:28}{method:22}{spread:27}{f.p90_px:6.2f}            {percent}")

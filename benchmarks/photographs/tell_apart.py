@@ -61,20 +61,22 @@ def main() -> None:
     options = parser.parse_args()
     real = photographs(options.photographs, branch=False)
     scenes = range(FIRST_SCENE, FIRST_SCENE + options.scenes)
-    of_photographs = [ImageFigures.of(image, x_px, ROWS) for image, x_px in zip(real.images, real.x_px, strict=True)]
-    unseen = of_photographs[1::2]
-    result = {"photographs, fitted": medians(of_photographs[::2]), "photographs, unseen": medians(unseen)}
+    photograph_figures = [
+        ImageFigures.of(image, x_px, ROWS) for image, x_px in zip(real.images, real.x_px, strict=True)
+    ]
+    unseen = photograph_figures[1::2]
+    result = {"photographs, fitted": medians(photograph_figures[::2]), "photographs, unseen": medians(unseen)}
     areas, shown = {}, [(name, image) for name, image in zip(real.names, real.images, strict=True)]
     for name, kind in {"lab before": BEFORE, "lab": AFTER}.items():
         rendered = frames(kind, scenes, 1, options.folder / name.replace(" ", "_"), options.threads)
         figures = [ImageFigures.of(*one, ROWS) for one in zip(rendered.images, rendered.x_px, strict=True)]
         result[name] = medians(figures)
         areas[name] = {
-            "all figures": area(of_photographs, figures),
-            "without jaggedness": area(of_photographs, figures, without="jaggedness_px"),
+            "all figures": area(photograph_figures, figures),
+            "without jaggedness": area(photograph_figures, figures, without="jaggedness_px"),
             "unseen photographs": area(unseen, figures),
         }
-        areas[name] |= {f"{f.name} alone": alone(of_photographs, figures, f.name) for f in fields(ImageFigures)}
+        areas[name] |= {f"{f.name} alone": alone(photograph_figures, figures, f.name) for f in fields(ImageFigures)}
         if kind is AFTER:
             shown += [(f"scene {scene}", image) for scene, image in zip(scenes, rendered.images, strict=True)]
     print(f"{'median (smallest to largest)':24}" + "".join(f"{name:>26}" for name in result))

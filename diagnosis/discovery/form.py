@@ -100,8 +100,8 @@ class LawForm:
     def name(self) -> str:
         """Name of the effect."""
         along = "_and_".join(self.place.covariates[name].word for name in self.covariates)
-        over, of_material = f"_over_{along}" if along else "", "_of_material" if self.material else ""
-        return f"{self.place.name}_{self.shape}{over}{of_material}{self.ending}"
+        over, material_suffix = f"_over_{along}" if along else "", "_of_material" if self.material else ""
+        return f"{self.place.name}_{self.shape}{over}{material_suffix}{self.ending}"
 
     @property
     def label(self) -> str:

@@ -176,7 +176,7 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     )
     unit = unit_per(place.unit, c.unit)
     slope = LawNumber.amplitude(with_unit("slope", unit), unit, 4.0 * place.size / span, "Slope beyond the edge")
-    for shape, side, argument in (
+    for shape, relation, argument in (
         ("rise", "above", f"{x} - self.{edge.name}"),
         ("fall", "below", f"self.{edge.name} - {x}"),
     ):
@@ -184,7 +184,7 @@ def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
             place,
             shape,
             (c.name,),
-            f"a straight line of {noun} {side} one value of the {c.words}",
+            f"a straight line of {noun} {relation} one value of the {c.words}",
             f"self.{slope.name} * np.maximum({argument}, 0.0)",
             (slope, edge),
             tuple((slope.start, at) for at in edges),
@@ -306,12 +306,12 @@ def _is_shipped_line(place: LawPlace, c: SlotCovariate) -> bool:
 def _oblique(place: LawPlace, c: SlotCovariate, material: str) -> LawForm:
     """Return an error with the square of the sine of the angle of incidence."""
     largest = replace(sized(place, "largest", "Change at a right angle"), start=4.0 * place.size)
-    of = f" on {material}" if material else ""
+    on_material = f" on {material}" if material else ""
     return LawForm(
         place,
         "sine_squared",
         (c.name,),
-        f"an error of {place.noun} with the square of the sine of the {c.words}{of}",
+        f"an error of {place.noun} with the square of the sine of the {c.words}{on_material}",
         f"self.{largest.name} * np.sin({{{c.name}}}) ** 2",
         (largest,),
         ((largest.start,),),

@@ -217,14 +217,14 @@ def _voltage(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
 
 def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[LawPlace]:
     """Yield resistance and torque constant over time, and the heat of the winding."""
-    of_constant = min(read.visible / read.typical, MAX_FACTOR)
+    constant_size = min(read.visible / read.typical, MAX_FACTOR)
     # A resistance takes R I / K from the speed, in which friction keeps the current nearly constant.
     dry_A = motor.coulomb_friction_N_m / motor.torque_constant_N_m_A
     lost_rad_s = motor.winding_resistance_ohm * dry_A / motor.torque_constant_N_m_A
-    of_resistance = min(read.visible / max(lost_rad_s, 1e-9), MAX_FACTOR) if by_speed else of_constant
+    resistance_size = min(read.visible / max(lost_rad_s, 1e-9), MAX_FACTOR) if by_speed else constant_size
     for slot, noun, first, size in (
-        (Slot.RESISTANCE, "the winding resistance", "resistance_ohm", of_resistance),
-        (Slot.TORQUE_CONSTANT, "the torque constant", "torque_constant_N_m_A", of_constant),
+        (Slot.RESISTANCE, "the winding resistance", "resistance_ohm", resistance_size),
+        (Slot.TORQUE_CONSTANT, "the torque constant", "torque_constant_N_m_A", constant_size),
     ):
         yield LawPlace(
             slot,
@@ -248,7 +248,7 @@ def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
         first="share",
         arguments="share: float | Array, voltage_V: Array, duration_s: float | Array",
         unit="1",
-        size=of_resistance,
+        size=resistance_size,
         covariates=varying((voltage, time)),
         imports=(),
         setups=_BENCH_AND_DRIVE,

@@ -193,8 +193,8 @@ class _LinearTest:
         self.tried += tried
         self.falls += fall[:, 0].tolist()
         self.multiples += multiple[:, 0].tolist()
-        of_runs: Array = np.add.reduceat(along, self._begins, axis=1)
-        by_chance, _ = falls(of_runs @ self._signs)
+        run_sums: Array = np.add.reduceat(along, self._begins, axis=1)
+        by_chance, _ = falls(run_sums @ self._signs)
         self._by_chance = np.maximum(self._by_chance, by_chance.max(axis=0))
 
     @property

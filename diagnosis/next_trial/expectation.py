@@ -68,8 +68,8 @@ def expectation(models: tuple[RemainingModel, ...], trial: PredictedUnits) -> Ex
         for (a, rival), separation in zip(statistics.pairs, separations.tolist(), strict=True):
             if a != truth:
                 continue
-            remainders, of_old = statistics.remainders(truth, rival, sums)
-            rise = of_old + robust_rise(remainders, trial.evidence.quantity[trial.rows])
+            remainders, old_remainders = statistics.remainders(truth, rival, sums)
+            rise = old_remainders + robust_rise(remainders, trial.evidence.quantity[trial.rows])
             ahead = models[rival].rise - model.rise
             excluded = _exceeds(ahead + rise, 2.0 * sqrt(rise))
             pairs.append(ExpectedPair(model.name, models[rival].name, separation, rise, excluded))

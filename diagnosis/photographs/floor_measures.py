@@ -157,7 +157,7 @@ def _sheets(seen: Sequence[_Seen]) -> PaperSheets | None:
     steps = steps[np.isfinite(steps).any(axis=1)]
     largest = np.nanmax(steps, axis=1)
     # Where the border lies in the gap between the strips, all steps are alike.
-    at = np.array([borders[side >= most - 0.05 * abs(most)].mean() for side, most in zip(steps, largest, strict=True)])
+    at = np.array([borders[step >= most - 0.05 * abs(most)].mean() for step, most in zip(steps, largest, strict=True)])
     visible = largest > _MIN_STEP
     if np.abs(medians[best]) < _MIN_STEP or visible.mean() < _MIN_SHARE:
         return None

@@ -57,11 +57,11 @@ def figure_rows(look: FittedLook) -> tuple[FigureRow, ...]:
     """Return a row for each figure of photographs."""
     table = medians([photograph.figures for photograph in look.photographs])
     if look.rendered:
-        of_look: dict[str, tuple[float, ...]] = {**medians([image.figures for image in look.rendered])}
+        look_figures: dict[str, tuple[float, ...]] = {**medians([image.figures for image in look.rendered])}
     else:
-        _, of_model = _of_model(look)
-        of_look = {name: (getattr(of_model, name),) for name in OF_THE_CAMERA}
-    return tuple(FigureRow(f.name, table[f.name], of_look.get(f.name, ())) for f in fields(ImageFigures))
+        _, model_figures = _of_model(look)
+        look_figures = {name: (getattr(model_figures, name),) for name in OF_THE_CAMERA}
+    return tuple(FigureRow(f.name, table[f.name], look_figures.get(f.name, ())) for f in fields(ImageFigures))
 
 
 def _with_range(values: Sequence[float]) -> str:

@@ -74,8 +74,8 @@ def robot_numbers(fit: HypothesisFit, config: RobotConfig) -> RobotNumbers:
         config: The fitted robot as a drive simulates it; numbers of other effects than its own are left out.
     """
     hypothesis, x = fit.hypothesis.of_robot(fit.x)
-    of_robot = ~fit.hypothesis.is_local
-    covariance = fit.covariance[np.ix_(of_robot, of_robot)].copy()
+    is_of_robot = ~fit.hypothesis.is_local
+    covariance = fit.covariance[np.ix_(is_of_robot, is_of_robot)].copy()
     open_ = ~np.isfinite(np.diag(covariance))
     covariance[open_], covariance[:, open_] = 0.0, 0.0
     fields, slopes = _derivatives(hypothesis, x)

@@ -134,13 +134,13 @@ class CountNoise:
         ends = (1.0 - self.keep) / (1.0 + self.keep)
         variance = share**2 * ends + (1.0 - share) ** 2
         next_to = share * (self.keep * share * ends + (1.0 - self.keep) * (1.0 - share)) / variance
-        own = self.rounding**2 + np.where(self.known, 0.0, UNKNOWN * self.stated**2)
+        independent = self.rounding**2 + np.where(self.known, 0.0, UNKNOWN * self.stated**2)
         shared = np.where(on, -0.5 * self.rounding[1:] * self.rounding[:-1], 0.0)
-        bands = np.zeros((3, len(own)))
+        bands = np.zeros((3, len(independent)))
         # The covariance of speeds, each less what it keeps of the one before.
-        bands[0] = own + torque**2 * (1.0 + keep**2 - 2.0 * keep * next_to)
-        bands[0, 1:] += keep[1:] ** 2 * own[:-1] - 2.0 * keep[1:] * shared
-        bands[1, :-1] = shared - keep[1:] * own[:-1] + np.where(on, torque**2 * (next_to - self.keep), 0.0)
+        bands[0] = independent + torque**2 * (1.0 + keep**2 - 2.0 * keep * next_to)
+        bands[0, 1:] += keep[1:] ** 2 * independent[:-1] - 2.0 * keep[1:] * shared
+        bands[1, :-1] = shared - keep[1:] * independent[:-1] + np.where(on, torque**2 * (next_to - self.keep), 0.0)
         bands[1, 1:-1] += keep[2:] * keep[1:-1] * shared[:-1]
         bands[2, :-2] = -keep[2:] * shared[:-1]
         level = float(np.hypot(torque, np.median(self.rounding))) / self.stated

@@ -82,17 +82,19 @@ class MotorSteady:
             Covariate("sweep", trial_of_rows(measurement).astype(float), CovariateShape.CATEGORY),
         )
         self._speed_rad_s = np.where(self._known, good_values(measurement, "omega_rad_s"), np.nan)
-        of_speed = observed_channel(measurement, "omega_rad_s", self._known, covariates)
-        self._speed_sd_rad_s = of_speed.sd
-        self._motion = motion = seen_motion(self._speed_rad_s, of_speed.sd, self._voltage_V)
+        speed_channel = observed_channel(measurement, "omega_rad_s", self._known, covariates)
+        self._speed_sd_rad_s = speed_channel.sd
+        self._motion = motion = seen_motion(self._speed_rad_s, speed_channel.sd, self._voltage_V)
         usable = self.is_far | motion.is_seen
         # Without a voltage a motor stands still for certain, which says nothing.
-        of_speed = observed_channel(measurement, "omega_rad_s", usable & (size_V > 0.0), covariates)
-        of_current = observed_channel(measurement, "current_A", usable, covariates)
+        speed_channel = observed_channel(measurement, "omega_rad_s", usable & (size_V > 0.0), covariates)
+        current_channel = observed_channel(measurement, "current_A", usable, covariates)
         amperes_per_rad_s = np.where(motion.is_hidden, motor.torque_constant_N_m_A / motor.winding_resistance_ohm, 0.0)
         self.observed: tuple[Observed, ...] = (
-            replace(of_current, is_series=False, sd=np.hypot(of_current.sd, amperes_per_rad_s * of_speed.sd)),
-            replace(of_speed, is_series=False, is_state=motion.stands | motion.is_hidden),
+            replace(
+                current_channel, is_series=False, sd=np.hypot(current_channel.sd, amperes_per_rad_s * speed_channel.sd)
+            ),
+            replace(speed_channel, is_series=False, is_state=motion.stands | motion.is_hidden),
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:

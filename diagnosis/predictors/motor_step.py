@@ -67,7 +67,7 @@ class MotorStep:
         everywhere = np.ones(len(voltage_V), dtype=bool)
         by_current, by_speed = self._responses(measurement, nominal, angle_rad, speed)
         # An irregular gear changes the speed in proportion, but the torque by a fixed amount.
-        of_current, of_speed = (
+        current_covariates, speed_covariates = (
             tuple(replace(c, size=size, response=response) if c.name == "angle_rad" else c for c in covariates)
             for size, response in ((None, by_current), (speed, by_speed))
         )
@@ -76,7 +76,7 @@ class MotorStep:
                 observed_channel(measurement, name, everywhere, covariates), input_errors=errors, numbers_may_drift=True
             )
             for name, covariates, errors in zip(
-                ("current_A", "omega_rad_s"), (of_current, of_speed), input_errors, strict=True
+                ("current_A", "omega_rad_s"), (current_covariates, speed_covariates), input_errors, strict=True
             )
         )
 
@@ -162,8 +162,10 @@ class MotorStep:
             "time_constant_s": motor.inertia_kg_m2 * slower,
             "period_s": self._grid.period_s,
         }
-        of_speed = TurningResponse(scale=-slower, **common)
-        return replace(of_speed, scale=slower * motor.torque_constant_N_m_A / motor.resistance_ohm), of_speed
+        speed_response = TurningResponse(scale=-slower, **common)
+        return replace(
+            speed_response, scale=slower * motor.torque_constant_N_m_A / motor.resistance_ohm
+        ), speed_response
 
     def _since_step(self) -> tuple[Array, Array]:
         """Return time since the last change of the voltage, and its size, (T, N) each; it is 0 V before time 0."""

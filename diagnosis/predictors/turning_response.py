@@ -61,13 +61,13 @@ class TurningResponse:
         return np.where(self.is_turning, gain**2 / (1.0 + self.kept**2 - 2.0 * self.kept * np.cos(phase)), 0.0)
 
 
-def _decaying_sums(values: Array, kept: float) -> Array:
-    """Return the sums (n,) of each value, those before it times `kept`, those before them times its square, and so on.
+def _decaying_sums(values: Array, decay: float) -> Array:
+    """Return the sums (n,) of each value, those before it times `decay`, those before them times its square, and so on.
 
     Each pass doubles the number of values in a sum. `scipy.signal.lfilter` does the same, but takes a second to load.
     """
     sums, reach = values.copy(), 1
-    while reach < len(sums) and kept > 0.0:
-        sums[reach:] = sums[reach:] + kept * sums[:-reach]
-        reach, kept = 2 * reach, kept**2
+    while reach < len(sums) and decay > 0.0:
+        sums[reach:] = sums[reach:] + decay * sums[:-reach]
+        reach, decay = 2 * reach, decay**2
     return sums

@@ -101,9 +101,9 @@ class Wheels:
             replace(
                 self._observed(measurement, side, speed, set_speed, sd or UNSTATED_RAD_S),
                 early=each,
-                input_errors=(*zones, *of_turns),
+                input_errors=(*zones, *turn_noise),
             )
-            for side, speed, set_speed, each, zones, of_turns in zip(
+            for side, speed, set_speed, each, zones, turn_noise in zip(
                 SIDES, speeds, set_speeds, early, dead_zones, loads, strict=True
             )
         )
@@ -173,16 +173,16 @@ class Wheels:
             parts, steps_V = EARLY_PARTS, np.diff(samples_V, axis=0)
             by_shape = [shaped(samples_V, shape) for shape in SHAPES]
         early = []
-        for side, (motor, wheel) in enumerate(((motors.left, 1), (motors.right, 0))):
+        for index, (motor, wheel) in enumerate(((motors.left, 1), (motors.right, 0))):
             inertia = float(motor.inertia_kg_m2 + self._load.inertia_kg_m2)
             responses = independent_responses(motor, inertia, steps_V[..., wheel], self._grid.period_s)
             scatter = self._grid.of_rows(np.concatenate([responses, np.zeros_like(responses[:1])]))
-            early.append(EarlyVoltages(partial(self._early_changes, by_shape, parts, side), scatter))
+            early.append(EarlyVoltages(partial(self._early_changes, by_shape, parts, index), scatter))
         return tuple(early)
 
-    def _early_changes(self, by_shape: Sequence[Array], parts: int, side: int, robot: RobotConfig) -> Array:
+    def _early_changes(self, by_shape: Sequence[Array], parts: int, index: int, robot: RobotConfig) -> Array:
         """Return the changes (2, n) of the speeds of a wheel by voltages that act early."""
-        return np.nan_to_num(np.diff([self._speeds_by([robot], each, parts)[0, side] for each in by_shape], axis=0))
+        return np.nan_to_num(np.diff([self._speeds_by([robot], each, parts)[0, index] for each in by_shape], axis=0))
 
     def _dead_zones(self, nominal: RobotConfig) -> tuple[tuple[InputResponse, ...], ...]:
         """Return the responses of the left and the right wheel to bridges that ignore voltages below a threshold."""

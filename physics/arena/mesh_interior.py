@@ -28,7 +28,7 @@ def contains(mesh: TriangleMesh, places: Array) -> NDArray[np.bool_]:
 def _winding_numbers(corners: Array, places: Array) -> Array:
     """Return (N,) for triangles (M, 3, 3) and places (N, 3)."""
     a, b, c = (corners[None, :, corner] - places[:, None] for corner in range(3))
-    a_m, b_m, c_m = (np.linalg.norm(side, axis=-1) for side in (a, b, c))
+    a_m, b_m, c_m = (np.linalg.norm(edge, axis=-1) for edge in (a, b, c))
     ab, bc, ca = (np.einsum("nmk,nmk->nm", *pair) for pair in ((a, b), (b, c), (c, a)))
     volume = np.einsum("nmk,nmk->nm", a, np.cross(b, c))
     half_angle = np.arctan2(volume, a_m * b_m * c_m + ab * c_m + bc * a_m + ca * b_m)

@@ -134,8 +134,8 @@ class HeldVoltages:
             last_V[is_cut] = last_of_cut_V
         new_trend, old_trend = voltage_trend(new_V), np.ones_like(new_V)
         old_trend[1:] = new_trend[:-1]
-        of_rows = (begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend)
-        begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend = map(_without_robots, of_rows)
+        row_values = (begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend)
+        begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend = map(_without_robots, row_values)
         return cls(
             row_s=row_s,
             before_s=durations.before_s,
@@ -210,8 +210,8 @@ def _cut_voltages(
     # A mean over the end of the row in place of its last value, so that it changes smoothly with the delay.
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
     since_s = begin_s + durations.before_s
-    of_battery_V = driveline.of_battery_V
-    return of_battery_V(old_mean_V, begin_s), of_battery_V(mean_V, since_s), of_battery_V(last_V, begin_s)
+    supply_V = driveline.of_battery_V
+    return supply_V(old_mean_V, begin_s), supply_V(mean_V, since_s), supply_V(last_V, begin_s)
 
 
 def _without_robots(values: Array) -> Array:

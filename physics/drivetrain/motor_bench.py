@@ -118,8 +118,8 @@ def steady_states_of_known_motion(  # noqa: PLR0917 - what the rows depend on
     bench = _SteadyBench(model, voltage_V, time_s, supply_V, past)
     speed = bench.speed_rad_s(turns[:, None])
     surplus = bench.surplus_at_rest_N_m / np.maximum(bench.hold_N_m, MIN_FRICTION_N_M)
-    of_current = speed if at_rad_s is None else np.where(np.isnan(at_rad_s)[:, None], speed, at_rad_s[:, None])
-    return KnownMotionStates(bench.current_A(of_current)[..., 0], speed[..., 0], surplus[..., 0])
+    current_speed = speed if at_rad_s is None else np.where(np.isnan(at_rad_s)[:, None], speed, at_rad_s[:, None])
+    return KnownMotionStates(bench.current_A(current_speed)[..., 0], speed[..., 0], surplus[..., 0])
 
 
 class _SteadyBench:
@@ -189,22 +189,22 @@ class _SteadyBench:
 
 
 def _root(
-    function: Callable[[Array], Array], low: Array, at_low: Array, top: Array, wanted: NDArray[np.bool_]
+    function: Callable[[Array], Array], low: Array, at_low: Array, top: Array, is_needed: NDArray[np.bool_]
 ) -> Array:
     """Return the zero of a function that falls from `at_low` at `low` to below 0 at `top`, by the Illinois method.
 
     One step finds the zero of a straight line; kinks and curves take about ten. Every third step halves the bracket,
-    which bounds the number of steps. Elements that are not `wanted` are not iterated to the end.
+    which bounds the number of steps. Elements that are not needed are not iterated to the end.
     """
     high, at_high = np.zeros_like(at_low) + top, function(top)
-    root, was_above = low, wanted
+    root, was_above = low, is_needed
     for step in range(MAX_STEPS):
         spread = at_low - at_high
         share = np.clip(at_low / np.where(spread > 0.0, spread, 1.0), 0.0, 1.0)
         halves = step % 3 == 2
         before, root = root, low + (high - low) * (np.full_like(share, 0.5) if halves else share)
         value = function(root)
-        if not halves and np.all((np.abs(root - before) <= SETTLED * top) | (value == 0.0) | ~wanted):
+        if not halves and np.all((np.abs(root - before) <= SETTLED * top) | (value == 0.0) | ~is_needed):
             break
         above = value > 0.0
         # The value at an end that stays twice is halved, so that the end does not stay for ever.

@@ -36,13 +36,13 @@ def _smoothed(luma: FloatImage, contrast: float) -> FloatImage:
     if contrast == 0:
         return luma
     # The mean is taken off first, for the precision of the variance.
-    level, of_noise = luma.mean(dtype=np.float64).astype(np.float32), np.float32(contrast**2)
+    level, noise_variance = luma.mean(dtype=np.float64).astype(np.float32), np.float32(contrast**2)
     apart = luma - level
     square, total, weights = apart * apart, np.zeros_like(luma), np.zeros_like(luma)
     for line in _LINES:
         mean = cv2.filter2D(apart, cv2.CV_32F, line)
         variance = np.maximum(cv2.filter2D(square, cv2.CV_32F, line) - mean * mean, 0)
-        share = of_noise / (variance + of_noise)
+        share = noise_variance / (variance + noise_variance)
         weight = share * share
         total += weight * (apart + share * (mean - apart))
         weights += weight

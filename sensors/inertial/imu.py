@@ -135,8 +135,8 @@ class Imu(Sensor):
         self._period_s = self.sampling.period_steps / physics_hz
         self._before: BodyMotion | None = None
         self._axes = tuple(
-            _Axes(sizes, self.settings.bits, self._period_s, own_rng)
-            for sizes, own_rng in zip(
+            _Axes(sizes, self.settings.bits, self._period_s, sensor_rng)
+            for sizes, sensor_rng in zip(
                 (self.settings.accelerometer.sizes(), self.settings.gyroscope.sizes()), rng.spawn(2), strict=True
             )
         )

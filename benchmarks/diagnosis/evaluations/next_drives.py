@@ -4,11 +4,11 @@
 
 The robots come from `independent_cases`, whose simulator shares no code with symolo. Each has one listed effect and
 first drives laps of one circle for OLD_S seconds, in one direction and at one speed. Where the diagnosis of this drive
-leaves two or more names, the same robot drives again, once for each way to choose the path: as designed, and along the
-squares, random arcs and shuttles (straight on, half a turn, straight back) of the generator, for as long and for three
-times as long. Each new drive is diagnosed together with the old one. The result is right if the named effects are the
-hidden ones, and no name is ambiguous. Errors of markers and clocks belong to a session when two drives are diagnosed
-together, so that such effects are counted apart.
+leaves two or more names, the same robot drives again, once for each method to choose the path: as designed, and along
+the squares, random arcs and shuttles (straight on, half a turn, straight back) of the generator, for as long and for
+three times as long. Each new drive is diagnosed together with the old one. The result is right if the named effects are
+the hidden ones, and no name is ambiguous. Errors of markers and clocks belong to a session when two drives are
+diagnosed together, so that such effects are counted apart.
 
     python -m benchmarks.diagnosis.evaluations.next_drives --seed 711 --cases 200 --number 5 --first CASE
     python -m benchmarks.diagnosis.evaluations.next_drives --seed 711 --cases 200 --number 5 --fill next/trial_1
@@ -50,7 +50,7 @@ KIND = "drive_log"
 OLD_S, SECONDS = 15.0, 15.0
 MANOEUVRES = 3
 STYLES = {"square": "square", "random arcs": "random", "shuttle": "shuttle"}
-WAYS = ("designed", *STYLES, *(f"{style}, 3 times" for style in STYLES))
+METHODS = ("designed", *STYLES, *(f"{style}, 3 times" for style in STYLES))
 LISTED = sorted(set(DriveSetting.PLACE) - {"range_wander"})  # its slow error is not looked for in several cases
 OF_SESSION = {error.effect.name for error in SESSION_ERRORS}
 
@@ -82,7 +82,7 @@ def limits_in_room(setting: DriveSetting, old: Measurement, seconds: float) -> L
     """Return limits at which the generator's robot does not turn back before a wall."""
     robot = setting.robot
     ahead_m = max(0.0, 0.45 * fastest(old)[0] + 0.02 - 0.2 * robot.track_m)
-    size_x, size_y = (max(side - 2.0 * ahead_m, 2.5 * robot.track_m) for side in robot.room)
+    size_x, size_y = (max(length_m - 2.0 * ahead_m, 2.5 * robot.track_m) for length_m in robot.room)
     return limits_of(old, seconds=seconds, row_s=seconds / MANOEUVRES, floor_m=(size_x, size_y))
 
 
@@ -117,16 +117,16 @@ def evaluation(cases: int, seed: int, seconds: float, among: Sequence[str]) -> I
             result["titles"] = design.titles
             result["expected"] = design.expected.one_right
             result["separation"] = None if smallest is None else smallest.separation
-            for way in WAYS:
-                draws = stream(seed, number, way)
+            for method in METHODS:
+                draws = stream(seed, number, method)
                 script, start = script_of(design.trial)
-                if way != "designed":
-                    rows = int(seconds * (3 if "3 times" in way else 1) / ROW_S) + 1
-                    script = commands(draws, rows, STYLES[way.removesuffix(", 3 times")], setting.robot)
+                if method != "designed":
+                    rows = int(seconds * (3 if "3 times" in method else 1) / ROW_S) + 1
+                    script = commands(draws, rows, STYLES[method.removesuffix(", 3 times")], setting.robot)
                     start = np.array([*start[:2], draws.uniform(-np.pi, np.pi)])
                 files = driven(setting, script, start, int(draws.integers(2**31))).produce(variant, draws)
-                new = read(files, way.replace(",", "").replace(" ", "_"), Path(folder))
-                result[way] = state(diagnose(together([old, new])), set(names))
+                new = read(files, method.replace(",", "").replace(" ", "_"), Path(folder))
+                result[method] = state(diagnose(together([old, new])), set(names))
             yield result
 
 
@@ -171,7 +171,7 @@ def table(results: list[dict]) -> Iterator[str]:
         ],
         "effects of a session": [e for e in designed if OF_SESSION & set(e["truth"])],
     }
-    yield from lines_of_groups(groups, WAYS)
+    yield from lines_of_groups(groups, METHODS)
 
 
 def main() -> None:

@@ -4,10 +4,10 @@
 
 The cases come from `independent_cases`, whose simulator shares no code with symolo. Those with one listed effect, of
 which little remains beside another name (a likelihood ratio below `NEAR`), are diagnosed; where two or more names
-remain, the same robot is measured again, once for each way to choose the inputs: the designed trial, and evenly spaced
-and random inputs of the same time and of three times the time. Each new trial is
-diagnosed together with the old case. The result is right if the named effects are the hidden ones, and no name is
-ambiguous. A row of a bench takes 1 s, which is at least four time constants of these motors.
+remain, the same robot is measured again, once for each method to choose the inputs: the designed trial, and evenly
+spaced and random inputs of the same time and of three times the time. Each new trial is diagnosed together with the old
+case. The result is right if the named effects are the hidden ones, and no name is ambiguous. A row of a bench takes 1
+s, which is at least four time constants of these motors.
 
     python -m benchmarks.diagnosis.evaluations.next_trials --kind motor_steady --seed 401 --cases 60 --number 44 \\
         --fill next/trial_1
@@ -41,7 +41,7 @@ from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 
 SECONDS, ROW_S = 15.0, 1.0
-WAYS = ("designed", "even", "random", "even, 3 times", "random, 3 times")
+METHODS = ("designed", "even", "random", "even, 3 times", "random, 3 times")
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ def inputs_of(measurement: Measurement) -> Inputs:
     return Inputs(columns, materials, trial.t_s)
 
 
-def motor_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs:
+def motor_inputs(setting: Setting, method: str, rng: np.random.Generator) -> Inputs:
     """Return evenly spaced or random voltages in both directions."""
-    rows = round(SECONDS / ROW_S) * (3 if "3 times" in way else 1)
+    rows = round(SECONDS / ROW_S) * (3 if "3 times" in method else 1)
     top = setting.top_voltage_V
-    if way.startswith("even"):
+    if method.startswith("even"):
         up = np.linspace(0.0, top, rows // 2 + 2)[1:]
         values = np.concatenate([up, -up])[:rows]
     else:
@@ -73,12 +73,12 @@ def motor_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs
     return Inputs({"u_cmd_V": np.round(values, 3)}, None, ROW_S * np.arange(1.0, rows + 1.0))
 
 
-def range_inputs(setting: Setting, way: str, rng: np.random.Generator) -> Inputs:
+def range_inputs(setting: Setting, method: str, rng: np.random.Generator) -> Inputs:
     """Return evenly spaced or random distances with random materials and random conditions of the old bench."""
-    rows = round(SECONDS / ROW_S) * (3 if "3 times" in way else 1)
+    rows = round(SECONDS / ROW_S) * (3 if "3 times" in method else 1)
     old = setting.bench
     near, far = old.distance_m.min(), old.distance_m.max()
-    distance = np.linspace(near, far, rows) if way.startswith("even") else rng.uniform(near, far, rows)
+    distance = np.linspace(near, far, rows) if method.startswith("even") else rng.uniform(near, far, rows)
     columns = {"distance_m": np.round(distance, 3)}
     columns |= {
         name: rng.choice(values, rows)
@@ -156,13 +156,13 @@ def evaluation(kind: str, cases: int, seed: int) -> Iterator[dict]:
             smallest = design.expected.smallest
             result["expected"] = design.expected.one_right
             result["separation"] = None if smallest is None else smallest.separation
-            of_kind = motor_inputs if kind == "motor_steady" else range_inputs
-            for way in WAYS:
-                draws = stream(seed, number, way)
-                inputs = inputs_of(design.trial) if way == "designed" else of_kind(drawn.setting, way, draws)
+            draw_inputs = motor_inputs if kind == "motor_steady" else range_inputs
+            for method in METHODS:
+                draws = stream(seed, number, method)
+                inputs = inputs_of(design.trial) if method == "designed" else draw_inputs(drawn.setting, method, draws)
                 files = measured(drawn.setting, inputs).produce(variant, draws)
-                new = read(files, way.replace(",", "").replace(" ", "_"), Path(folder))
-                result[way] = state(diagnose(together([old, new])), set(names))
+                new = read(files, method.replace(",", "").replace(" ", "_"), Path(folder))
+                result[method] = state(diagnose(together([old, new])), set(names))
             yield result
 
 
@@ -198,21 +198,21 @@ def table(results: list[dict]) -> Iterator[str]:
         "separation of at least 3 standard deviations": [e for e in designed if (e["separation"] or 0.0) >= 3.0],
         "less": [e for e in designed if (e["separation"] or 0.0) < 3.0],
     }
-    yield from lines_of_groups(groups, WAYS)
+    yield from lines_of_groups(groups, METHODS)
 
 
-def lines_of_groups(groups: Mapping[str, Sequence[dict]], ways: Collection[str]) -> Iterator[str]:
-    """Yield how often each way to choose a trial leaves one right name, for each group of cases that has any."""
-    width = max(map(len, ways))
+def lines_of_groups(groups: Mapping[str, Sequence[dict]], methods: Collection[str]) -> Iterator[str]:
+    """Yield how often each method to choose a trial leaves one right name, for each group of cases that has any."""
+    width = max(map(len, methods))
     for title, group in groups.items():
         if not group:
             continue
         expected = sum(each["expected"] for each in group) / len(group)
         yield f"{title}: {len(group)} cases; one right name expected in {expected:.0%}"
-        for way in ways:
-            right, wrong = (sum(each[way][key] for each in group) for key in ("right", "wrong"))
+        for method in methods:
+            right, wrong = (sum(each[method][key] for each in group) for key in ("right", "wrong"))
             low, high = interval(right, len(group))
-            yield f"  {way:{width}} one right name {right:3d} ({low:.0%} to {high:.0%}), a wrong name {wrong:3d}"
+            yield f"  {method:{width}} one right name {right:3d} ({low:.0%} to {high:.0%}), a wrong name {wrong:3d}"
 
 
 def main() -> None:

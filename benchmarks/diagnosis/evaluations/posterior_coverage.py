@@ -140,13 +140,13 @@ def table(results: Sequence[Covered], absent: int) -> Iterator[str]:
     yield f"{len(results) + absent} cases; the true effects are not among the hypotheses of {absent}"
     yield f"{'kind':14s} {'cases':>5s}  {'level':>5s} {'all numbers together':>26s} {'each number alone':>26s}"
     for kind in ("all", *dict.fromkeys(result.kind for result in results)):
-        of_kind = [result for result in results if kind in {"all", result.kind}]
-        z = np.abs(np.concatenate([result.z for result in of_kind]))
+        selected = [result for result in results if kind in {"all", result.kind}]
+        z = np.abs(np.concatenate([result.z for result in selected]))
         for level in LEVELS:
-            together = sum(bool(result.squared <= chi2.ppf(level, result.freedom)) for result in of_kind)
+            together = sum(bool(result.squared <= chi2.ppf(level, result.freedom)) for result in selected)
             alone = int((z**2 <= chi2.ppf(level, 1)).sum())
-            parts = (_share(together, len(of_kind)), _share(alone, len(z)))
-            yield f"{kind:14s} {len(of_kind):5d}  {100 * level:4.0f} % {parts[0]:>26s} {parts[1]:>26s}"
+            parts = (_share(together, len(selected)), _share(alone, len(z)))
+            yield f"{kind:14s} {len(selected):5d}  {100 * level:4.0f} % {parts[0]:>26s} {parts[1]:>26s}"
 
 
 def _share(count: int, total: int) -> str:

@@ -109,9 +109,9 @@ def halves_of(measurement: Measurement) -> tuple[tuple[Trial, ...], tuple[Trial,
     """Return the runs of every second session of each kind of path, and those of the others."""
     sessions: dict[str, list[str]] = {}
     for trial in measurement.trials:
-        of_kind = sessions.setdefault(trial.name.split("/")[0], [])
-        of_kind += [trial.session] if trial.session not in of_kind else []
-    fitted = {session for of_kind in sessions.values() for session in sorted(of_kind)[::2]}
+        kind_sessions = sessions.setdefault(trial.name.split("/")[0], [])
+        kind_sessions += [trial.session] if trial.session not in kind_sessions else []
+    fitted = {session for kind_sessions in sessions.values() for session in sorted(kind_sessions)[::2]}
     parts = [tuple(t for t in measurement.trials if (t.session in fitted) is chosen) for chosen in (True, False)]
     return parts[0], parts[1]
 

@@ -76,11 +76,13 @@ def _drives(folder: Path, out: Path) -> str:
 def _sessions(folder: Path) -> str:
     """Return the table of sessions that are left out, with a line for all of them together."""
     results = list(left_out_sessions(folder))
-    of_all: dict[str, list[Missed]] = {}
+    missed_in_all: dict[str, list[Missed]] = {}
     for fitted in results:
         for method, missed in fitted.missed["left out"].items():
-            of_all.setdefault(method, []).extend(missed)
-    together = replace(results[-1], name="all sessions", missed={"left out": {m: tuple(e) for m, e in of_all.items()}})
+            missed_in_all.setdefault(method, []).extend(missed)
+    together = replace(
+        results[-1], name="all sessions", missed={"left out": {m: tuple(e) for m, e in missed_in_all.items()}}
+    )
     return "\n".join(drive_table([*results, together]))
 
 

@@ -105,9 +105,9 @@ def line_errors(camera: CameraRun) -> Iterator[float]:
         linear = (cv2.cvtColor(image.pixels(), cv2.COLOR_RGB2GRAY) / 255.0) ** 2.2
         for piece in arena.line.pieces:
             s = np.arange(0.006, piece.length_m - 0.006, 0.005)
-            for side in (1, -1):
+            for sign in (1, -1):
                 on, out = (
-                    np.column_stack([piece.at(s, side * (half_m + beside)), np.zeros(len(s))])
+                    np.column_stack([piece.at(s, sign * (half_m + beside)), np.zeros(len(s))])
                     for beside in (0.0, 0.004)
                 )
                 (pixel, _), (further, _) = project(model, image.X_WC, on), project(model, image.X_WC, out)

@@ -105,8 +105,11 @@ def _ours(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
         if isinstance(choice, QualitySettings):
             name, settings = f"{choice.samples} {choice.prefilter}/{choice.denoise_quality}", asdict(choice)
         else:
-            of_run = tracing_settings(_render(options, choice), seed=0)
-            name, settings = choice, {field: getattr(of_run, field) for field in QualitySettings.__dataclass_fields__}
+            run_settings = tracing_settings(_render(options, choice), seed=0)
+            name, settings = (
+                choice,
+                {field: getattr(run_settings, field) for field in QualitySettings.__dataclass_fields__},
+            )
         by_name[name] = settings
     return by_name
 

@@ -268,10 +268,10 @@ def print_case(rows: list[Row]) -> None:
 
 def print_summary(rows: list[Row]) -> None:
     excess = np.array([row.excess_db for row in rows])
-    kept, near = np.count_nonzero(excess <= 0), np.count_nonzero(excess <= LARGEST_EXCESS_DB)
+    within, near = np.count_nonzero(excess <= 0), np.count_nonzero(excess <= LARGEST_EXCESS_DB)
     low, middle, high = np.quantile(excess, [0.1, 0.5, 0.9])
     print(f"\n{rows[0].version}: {len(rows)} images")
-    print(f"no worse than JPEG {kept}, at most {LARGEST_EXCESS_DB:g} dB worse {near}")
+    print(f"no worse than JPEG {within}, at most {LARGEST_EXCESS_DB:g} dB worse {near}")
     print(f"error relative to JPEG: median {middle:+.1f} dB, lowest tenth {low:+.1f}, highest tenth {high:+.1f}")
     worst = max(rows, key=lambda row: row.excess_db)
     print(f"square with the largest error: median {np.median([row.worst_block_db for row in rows]):+.1f} dB")

@@ -60,10 +60,12 @@ def main() -> None:
         job = replace(job, sampling=replace(job.sampling, **_settings(name, options)))
         by_threads = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
         for number in sorted(by_threads[1]):
-            of_frame = {threads: by_threads[threads][number] for threads in PLANS}
-            same = len(set(of_frame.values())) == 1
+            frame_hashes = {threads: by_threads[threads][number] for threads in PLANS}
+            same = len(set(frame_hashes.values())) == 1
             differ += not same
-            shown = of_frame[1][:16] if same else "  ".join(f"{n} threads {h[:16]}" for n, h in of_frame.items())
+            shown = (
+                frame_hashes[1][:16] if same else "  ".join(f"{n} threads {h[:16]}" for n, h in frame_hashes.items())
+            )
             print(f"{look:10} {name:9} frame {number}: {'same' if same else 'DIFFERS'}  {shown}", flush=True)
     print(f"{differ} frames differ" if differ else "every frame is the same with 1, 2 and 4 threads, in any order")
     sys.exit(bool(differ))

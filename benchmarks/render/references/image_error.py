@@ -38,9 +38,9 @@ def ssim(image: Image, reference: Image) -> float:
 
 
 def _local_mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    side = 2 * _HALF_WINDOW + 1
+    window_px = 2 * _HALF_WINDOW + 1
     inner = slice(_HALF_WINDOW, -_HALF_WINDOW)
-    return cv2.GaussianBlur(values, (side, side), _WINDOW_SD_PX)[inner, inner]
+    return cv2.GaussianBlur(values, (window_px, window_px), _WINDOW_SD_PX)[inner, inner]
 
 
 def flip(image: Image, reference: Image) -> float | None:

@@ -56,10 +56,10 @@ def _lag(measurement: Measurement, name: str) -> int | None:
     weights, rest = regression(rows)
     inverse = np.linalg.pinv(columns_of(rows).T @ columns_of(rows))
     errors = np.sqrt(np.diag(inverse)[: len(LAGS)] * np.mean(rest**2))
-    of_voltages = weights[: len(LAGS)]
-    shares = of_voltages / np.abs(of_voltages).sum()
+    lag_weights = weights[: len(LAGS)]
+    shares = lag_weights / np.abs(lag_weights).sum()
     first = int(np.argmax(np.abs(shares) > OTHER_ROWS))
-    is_clear = shares[first] >= MIN_SHARE[name] and of_voltages[first] > MIN_ERRORS * errors[first]
+    is_clear = shares[first] >= MIN_SHARE[name] and lag_weights[first] > MIN_ERRORS * errors[first]
     return LAGS[first] if is_clear else None
 
 

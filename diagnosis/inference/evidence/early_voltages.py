@@ -136,9 +136,9 @@ def _nuisances(evidence: Evidence, robot: RobotConfig) -> Iterator[Nuisance]:
             if early is not None:
                 changes[:, evidence.places[k]] = early.changes_of(robot)
         if changes.any():
-            of_case = evidence.observed[quantities[0]].name.partition("[")[1:]
+            case_suffix = evidence.observed[quantities[0]].name.partition("[")[1:]
             for name, change, tolerance in zip((GRADUAL, AT_ONCE), changes, (1.0, 0.5), strict=True):
-                title = f"{name}{''.join(of_case)}"
+                title = f"{name}{''.join(case_suffix)}"
                 yield Nuisance(title, 0.0, tolerance, "1", _same, tolerance * change, bounds=(0.0, 1.0 / tolerance))
 
 

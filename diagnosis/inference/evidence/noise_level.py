@@ -98,12 +98,12 @@ def with_clear_correlations(evidence: Evidence, fit: HypothesisFit) -> Evidence:
         if not quantity.is_series or is_open(quantity):
             continue
         z = np.where(evidence.fit[place], fit.z[place], np.nan)
-        found = correlation_of_differences(z, quantity.trial)
+        measured = correlation_of_differences(z, quantity.trial)
         # What is slower or much smaller than noise is misfit, or the rounding of a slow signal.
-        is_noise = found.correlation < MAX_CORRELATION and found.sd > MIN_SD
-        if is_noise and assumed + MATERIAL_CORRELATION < found.correlation - CLEAR * found.error:
+        is_noise = measured.correlation < MAX_CORRELATION and measured.sd > MIN_SD
+        if is_noise and assumed + MATERIAL_CORRELATION < measured.correlation - CLEAR * measured.error:
             before = noises.get(quantity.name, EstimatedNoise(1.0, assumed))
-            noises[quantity.name] = replace(before, correlation=found.correlation)
+            noises[quantity.name] = replace(before, correlation=measured.correlation)
     return evidence if noises == dict(evidence.noises) else evidence.with_noises(noises)
 
 

@@ -88,14 +88,14 @@ def session_nuisances(
 def _nuisances(
     measurement: Measurement, evidence: Evidence, nominal: RobotConfig, sizes: Mapping[tuple[str, SessionError], float]
 ) -> Iterator[SessionNuisance]:
-    of_trials, errors = [trial.session for trial in measurement.trials], SESSION_ERRORS
-    sessions = tuple(dict.fromkeys(session for session in of_trials if session))
+    trial_sessions, errors = [trial.session for trial in measurement.trials], SESSION_ERRORS
+    sessions = tuple(dict.fromkeys(session for session in trial_sessions if session))
     if not sessions:
-        of_trials, errors = _after_pauses(measurement), AFTER_PAUSE
-        sessions = tuple(dict.fromkeys(of_trials))[1:]
+        trial_sessions, errors = _after_pauses(measurement), AFTER_PAUSE
+        sessions = tuple(dict.fromkeys(trial_sessions))[1:]
     if not sessions:
         return
-    evidence, session = evidence.as_measured(), np.array(of_trials)[evidence.trial]
+    evidence, session = evidence.as_measured(), np.array(trial_sessions)[evidence.trial]
     (bare,) = evidence.predicted([nominal]).mean
     for name in sessions:
         here = (session == name) & np.isfinite(evidence.values)

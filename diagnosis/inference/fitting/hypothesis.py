@@ -176,8 +176,8 @@ class Hypothesis:
 
     def of_robot(self, x: Array) -> "tuple[Hypothesis, Array]":
         """Return the hypothesis without the nuisances that are no property of the robot, and its coordinates."""
-        of_robot = tuple(nuisance for nuisance in self.nuisances if nuisance.change is None)
-        return replace(self, nuisances=of_robot), x[~self.is_local]
+        robot_nuisances = tuple(nuisance for nuisance in self.nuisances if nuisance.change is None)
+        return replace(self, nuisances=robot_nuisances), x[~self.is_local]
 
     @cached_property
     def _changes(self) -> Array:

@@ -56,8 +56,8 @@ def motor_scales(robot: RobotConfig) -> MotorScales:
     motor, supply_V = robot.motor, robot.power.battery_voltage_V
     resistance, constant = motor.winding_resistance_ohm, motor.torque_constant_N_m_A
 
-    def ratio(value: float, of_paper: float) -> float:
-        return min(max(value / of_paper, LIMITS[0]), LIMITS[1])
+    def ratio(value: float, paper_value: float) -> float:
+        return min(max(value / paper_value, LIMITS[0]), LIMITS[1])
 
     return MotorScales(
         resistance=ratio(resistance, OF_PAPER.resistance),

@@ -55,9 +55,9 @@ def information_of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: A
     has_own_level = with_own_level(evidence, hypothesis, spreads)
     quantity = evidence.quantity[evidence.fit]
     for k in np.flatnonzero(~has_own_level).tolist():
-        of_quantity = np.where(quantity == k, is_good, 0.0)
-        shared = 2.0 * spreads[:, evidence.fit] @ of_quantity
-        lost += np.outer(shared, shared) / (2.0 * of_quantity.sum() + LEVEL_SD**-2)
+        quantity_weights = np.where(quantity == k, is_good, 0.0)
+        shared = 2.0 * spreads[:, evidence.fit] @ quantity_weights
+        lost += np.outer(shared, shared) / (2.0 * quantity_weights.sum() + LEVEL_SD**-2)
     return lost
 
 

@@ -86,13 +86,13 @@ def supports(
     alike = fits(evidence, [(base.hypothesis, base.x) for base in bases], noises=noises)
     starts, known = [(each.hypothesis, each.x) for each in (fit, *alike)], [fit.noise, *noises]
     rests = [evidence.with_rows(fit=evidence.fit & ~part.rows) for part in parts]
-    of_rests = fits_of_contests([Contest(rest, starts, noises=known) for rest in rests])
+    rest_fits = fits_of_contests([Contest(rest, starts, noises=known) for rest in rests])
     rows = [
         [
             Support(part.name, (base.cost - fit.cost) - (fewer.cost - model.cost))
             for base, fewer in zip(alike, without, strict=True)
         ]
-        for part, (model, *without) in zip(parts, of_rests, strict=True)
+        for part, (model, *without) in zip(parts, rest_fits, strict=True)
     ]
     return tuple(zip(*rows, strict=True)) if rows else tuple(() for _ in bases)
 

@@ -101,8 +101,8 @@ def refusal(
         return ""
     if is_of_noise(after, effect) and (reason := _refusal_of_noise(evidence, before, after, effect)):
         return reason
-    of_heldout, fit_falls = heldout_falls(evidence, before, after, effect), np.maximum(falls[evidence.fit], 0.0)
-    rise = -float(of_heldout.sum())
+    heldout_fall, fit_falls = heldout_falls(evidence, before, after, effect), np.maximum(falls[evidence.fit], 0.0)
+    rise = -float(heldout_fall.sum())
     rows = _effective(fit_falls)
     few = rows < min(MIN_ROWS, MIN_ROWS_SHARE * np.count_nonzero(evidence.fit))
     # An effect goes through as many outliers as it has parameters. Two more rows that agree are not there by chance, if
@@ -115,7 +115,7 @@ def refusal(
     if few and not agrees and rise > -CLEAR:
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     # Where the noise falls with an effect, a few outliers among the held-out rows cost far more.
-    if rise > max(CLEAR, MAX_WORSE * float(np.sqrt((of_heldout**2).sum()))):
+    if rise > max(CLEAR, MAX_WORSE * float(np.sqrt((heldout_fall**2).sum()))):
         return f"the cost of the held-out rows rises by {rise:.1f}"
     return ""
 

@@ -80,8 +80,8 @@ def scan_beside(
     evidence: Evidence, several: Sequence[tuple[HypothesisFit, Sequence[CandidateEffect]]]
 ) -> list[list[Prospect]]:
     """Return the best prospect of each effect beside each fit, the most promising first; all in one batch."""
-    of_fits = zip(several, _tries_of_all(evidence, several), strict=True)
-    prospects = [_prospects(evidence, fit, *tries) for (fit, _), tries in of_fits]
+    fits_with_tries = zip(several, _tries_of_all(evidence, several), strict=True)
+    prospects = [_prospects(evidence, fit, *tries) for (fit, _), tries in fits_with_tries]
     return [sorted(each, key=lambda prospect: -prospect.drop) for each in prospects]
 
 
@@ -277,17 +277,17 @@ class _Lines:
         """
         squares, is_new = self.squares()
         inner = self.changes @ self.changes.T - self.taken @ self.taken.T
-        own, other = np.meshgrid(squares, squares, indexing="ij")
+        first, other = np.meshgrid(squares, squares, indexing="ij")
         along, beside = np.meshgrid(self.along, self.along, indexing="ij")
-        determinant = own * other - inner**2
-        usable = (determinant > MIN_APART * own * other) & is_new[:, None] & is_new
+        determinant = first * other - inner**2
+        usable = (determinant > MIN_APART * first * other) & is_new[:, None] & is_new
         divisor = np.where(usable, determinant, 1.0)
         sizes = (other * along - inner * beside) / divisor
-        others = (own * beside - inner * along) / divisor
+        others = (first * beside - inner * along) / divisor
         usable &= (sizes > 0.0) & (others > 0.0)
         sizes, others = np.minimum(sizes, MAX_MULTIPLE), np.minimum(others, MAX_MULTIPLE)
         falls = 2.0 * (sizes * along + others * beside)
-        falls -= sizes**2 * own + others**2 * other + 2.0 * sizes * others * inner
+        falls -= sizes**2 * first + others**2 * other + 2.0 * sizes * others * inner
         return np.where(usable, falls, 0.0), sizes, others
 
 
@@ -318,8 +318,8 @@ def _limits(evidence: Evidence, effect: CandidateEffect, coordinate: Coordinate)
     """Return the coordinates of a limit, upper or lower, between the samples of the fit with its unit."""
     unit = effect.kind.parameters()[coordinate.name].unit
     shares = CEILINGS if coordinate.is_ceiling else FLOORS
-    of_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
-    sizes = np.abs(evidence.readings[of_unit & evidence.fit])
+    has_unit = np.repeat([observed.unit == unit for observed in evidence.observed], evidence.counts)
+    sizes = np.abs(evidence.readings[has_unit & evidence.fit])
     levels = np.quantile(sizes[sizes > 0.0], shares) if (sizes > 0.0).any() else np.zeros(0)
     values = [coordinate.coordinate(level) for level in np.unique(levels).tolist()] or [coordinate.start]
     return [x for x in values if coordinate.low <= x <= coordinate.high]

@@ -134,10 +134,10 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
             structures += _clusters(evidence, tangents, number)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
-    of_rows = (RUNS_OF_ROWS, CLUSTER)
-    explained = {s.observed for s in whole if s.p < LEVEL and s.what not in of_rows}
+    row_forms = (RUNS_OF_ROWS, CLUSTER)
+    explained = {s.observed for s in whole if s.p < LEVEL and s.what not in row_forms}
     # A function of a covariate also makes single rows stand out, which then add nothing.
-    structures = [s for s in whole if s.what not in of_rows or s.observed not in explained]
+    structures = [s for s in whole if s.what not in row_forms or s.observed not in explained]
     return Adequacy(tuple(sorted(structures, key=lambda s: (s.p, -s.explainable))))
 
 
@@ -190,24 +190,24 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
     # A speed may scatter more than stated, by a larger torque, whose errors neighbours have in common.
     z = z if whitening is None else z / max(whitening.level, 1.0)
     for rank, covariate in enumerate(quantity.covariates):
-        found = cluster(z, covariate, rows, quantity.trial if quantity.is_series else None)
-        if found is None:
+        clustered = cluster(z, covariate, rows, quantity.trial if quantity.is_series else None)
+        if clustered is None:
             continue
         column = np.zeros((len(evidence.values), 1))
-        column[place, 0] = np.where(found.rows, np.sign(z), 0.0)
-        squares = CLIP**2 * float(evidence.weight[place][found.rows].sum())
+        column[place, 0] = np.where(clustered.rows, np.sign(z), 0.0)
+        squares = CLIP**2 * float(evidence.weight[place][clustered.rows].sum())
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
             covariate=covariate.name,
             what=CLUSTER,
-            p=found.p,
+            p=clustered.p,
             explainable=squares,
             rank=rank,
             basis=column,
             size=float(np.sqrt(squares / evidence.weight[place][rows].sum())),
             is_over_time=False,
-            longest_run=run_of_outliers(found.rows, MAX_RUNS if is_clock(covariate) else 1),
+            longest_run=run_of_outliers(clustered.rows, MAX_RUNS if is_clock(covariate) else 1),
         )
 
 

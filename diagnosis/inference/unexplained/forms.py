@@ -56,14 +56,14 @@ class Bump(Form):
 
     size: Array
     """(n,), covariate, or its size if the form is the same at both signs."""
-    side: Array | float
+    sign: Array | float
     """(n,), sign of the error."""
     middle: float
     width: float
 
     def moved(self, middle: float, width: float) -> "Bump":
         """Return the bump with another middle and width."""
-        column = _where_known(self.size, np.exp(-(((self.size - middle) / width) ** 2)) * self.side)
+        column = _where_known(self.size, np.exp(-(((self.size - middle) / width) ** 2)) * self.sign)
         return replace(self, column=column, middle=middle, width=width)
 
 
@@ -83,17 +83,17 @@ def forms(quantity: Observed, predicted: Array, rows: Mask) -> Iterator[Form]:
     conditions = [(k, c) for k, c in smooth if c.name not in CLOCKS]
     for rank, covariate in smooth:
         if covariate.name in CLOCKS:
-            found = _drifting_gains(rank, covariate, predicted, rows)
+            candidates = _drifting_gains(rank, covariate, predicted, rows)
         else:
-            found = _along(rank, covariate, sides, rows)
-        yield from (form for form in found if _changes_enough(form, rows))
+            candidates = _along(rank, covariate, sides, rows)
+        yield from (form for form in candidates if _changes_enough(form, rows))
         if covariate.name in SURROUNDINGS:
             yield from _gains_in_surroundings(rank, covariate, predicted, rows)
     for _, category in covariates:
         if category.shape is CovariateShape.CATEGORY:
             for rank, covariate in conditions:
-                found = _of_categories(category, rank, covariate, rows)
-                yield from (form for form in found if _changes_enough(form, rows))
+                candidates = _of_categories(category, rank, covariate, rows)
+                yield from (form for form in candidates if _changes_enough(form, rows))
 
 
 def _drifting_gains(rank: int, clock: Covariate, predicted: Array, rows: Mask) -> Iterator[Form]:
@@ -119,15 +119,17 @@ def _along(rank: int, covariate: Covariate, sides: dict[str, Array | float], row
     if _has_both_signs(values[rows]):
         # An error that depends on the size alone has one sign, that of the prediction or, of a tilt, that of the
         # covariate.
-        own = {"": 1.0, WITH_COVARIATE: np.sign(values)} if len(sides) == 1 else sides
-        views = [(np.abs(values), own)] if _follows(values, sides) else [(np.abs(values), own), (values, sides)]
+        amplitudes = {"": 1.0, WITH_COVARIATE: np.sign(values)} if len(sides) == 1 else sides
+        views = [(np.abs(values), amplitudes)]
+        if not _follows(values, sides):
+            views.append((values, sides))
     for size, signs in views:
         inside = np.unique(size[rows & np.isfinite(size)])
         if len(inside) < 2 * MIN_ROWS:
             continue
         edges = _some(0.5 * (inside[1:] + inside[:-1]))
         shapes = [("step", np.where(size > edge, 1.0, 0.0)) for edge in edges]
-        shapes += [("kink", np.maximum(side * (size - edge), 0.0)) for edge in edges for side in (1.0, -1.0)]
+        shapes += [("kink", np.maximum(direction * (size - edge), 0.0)) for edge in edges for direction in (1.0, -1.0)]
         widths = [share * float(np.ptp(inside)) for share in WIDTHS]
         for suffix, sign in signs.items():
             for what, shape in shapes:

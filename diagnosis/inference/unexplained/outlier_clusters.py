@@ -68,8 +68,8 @@ def cluster(z: Array, covariate: Covariate, rows: Mask, trial: NDArray[np.int64]
     views = list(_views(covariate, known, sign))
     best: Cluster | None = None
     for values, along in views:
-        for side in (-1.0, 1.0):
-            sides = known & (along == side), known & (along == -side)
+        for direction in (-1.0, 1.0):
+            sides = known & (along == direction), known & (along == -direction)
             p, members = _densest(values, known, sides, covariate.shape is CovariateShape.CATEGORY)
             p = min(1.0, 2.0 * len(views) * p)
             if members is not None and (best is None or p < best.p):
@@ -78,14 +78,14 @@ def cluster(z: Array, covariate: Covariate, rows: Mask, trial: NDArray[np.int64]
 
 
 def short_runs(sign: Array, trial: NDArray[np.int64]) -> Iterator[NDArray[np.intp]]:
-    """Yield the places of the outliers of each run of one side, single ones too, that a logger may cause.
+    """Yield the places of the outliers of each run on one side, single ones too, that a logger may cause.
 
     Args:
         sign: (n,), sides of the outliers; 0 for other rows.
         trial: (n,), trial of each row.
     """
-    for side in (-1.0, 1.0):
-        places = np.flatnonzero(sign == side)
+    for direction in (-1.0, 1.0):
+        places = np.flatnonzero(sign == direction)
         apart = (np.diff(places) > APART) | (np.diff(trial[places]) != 0)
         yield from (run for run in np.split(places, 1 + np.flatnonzero(apart)) if 0 < len(run) <= OUTLIERS_IN_A_ROW)
 

@@ -69,10 +69,10 @@ def _worst_by_stage(evidence: Evidence, result: Adequacy) -> dict[int, Structure
     order = [stage_of[result.worst.observed], *stages]
     worst: dict[int, Structure] = {}
     for stage in dict.fromkeys(order):
-        of_stage = [s for s in result.structures if s.p < LEVEL and stage_of[s.observed] == stage]
-        with_cause = [s for s in of_stage if not s.may_lack_cause]
-        if of_stage:
-            worst[stage] = Adequacy(tuple(with_cause or of_stage)).worst
+        stage_structures = [s for s in result.structures if s.p < LEVEL and stage_of[s.observed] == stage]
+        with_cause = [s for s in stage_structures if not s.may_lack_cause]
+        if stage_structures:
+            worst[stage] = Adequacy(tuple(with_cause or stage_structures)).worst
     return worst
 
 

@@ -51,12 +51,12 @@ def _drifting_numbers(evidence: Evidence, fit: HypothesisFit, quantities: range)
         for covariate in evidence.observed[k].covariates:
             if covariate.name == SESSION_TIME:
                 session_s[evidence.places[k]] = covariate.values
-    of_stage = np.isfinite(session_s)
-    inside = session_s[evidence.fit & of_stage]
+    is_of_stage = np.isfinite(session_s)
+    inside = session_s[evidence.fit & is_of_stage]
     numbers = zip(fit.hypothesis.nuisances, fit.slopes, strict=False) if len(inside) else ()
     for nuisance, slope in ((nuisance, slope) for nuisance, slope in numbers if nuisance.change is None):
         for right_at in (float(inside.min()), float(inside.mean())):
-            column = np.where(of_stage, slope * (session_s - right_at), 0.0)
+            column = np.where(is_of_stage, slope * (session_s - right_at), 0.0)
             yield _of_stage(evidence, quantities, SESSION_TIME, f"{nuisance.name} that drifts", column)
 
 

@@ -100,12 +100,12 @@ def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, r
     better = [(ahead, form) for ahead, form in rivals if form is not None and ahead >= BETTER]
     if better:
         ahead, form = max(better, key=lambda pair: pair[0])
-        found = _structure(evidence, form, explainable=ahead, longest_run=0)
+        strongest = _structure(evidence, form, explainable=ahead, longest_run=0)
     elif (beside := best_form(evidence, fit)) is not None:
-        found = _structure(evidence, beside, beside.explainable, _run_of_rows(evidence, beside))
+        strongest = _structure(evidence, beside, beside.explainable, _run_of_rows(evidence, beside))
     else:
         return result
-    return Adequacy(tuple(sorted((found, *result.structures), key=lambda structure: structure.p)))
+    return Adequacy(tuple(sorted((strongest, *result.structures), key=lambda structure: structure.p)))
 
 
 def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> float:
@@ -129,28 +129,28 @@ def _heldout(evidence: Evidence, number: int) -> Mask:
     return evidence.heldout & (not evidence.observed[number].is_series)
 
 
-def _structure(evidence: Evidence, found: FittedForm, explainable: float, longest_run: int) -> Structure:
-    observed, form = evidence.observed[found.quantity], found.form
-    rows = evidence.fit[evidence.places[found.quantity]]
+def _structure(evidence: Evidence, fitted: FittedForm, explainable: float, longest_run: int) -> Structure:
+    observed, form = evidence.observed[fitted.quantity], fitted.form
+    rows = evidence.fit[evidence.places[fitted.quantity]]
     return Structure(
         observed=observed.name,
         channel=observed.channel,
         covariate=form.covariate,
         what=form.what,
-        p=min(1.0, found.kinds * exp(-0.5 * max(0.0, found.fall + found.heldout_fall))),
+        p=min(1.0, fitted.kinds * exp(-0.5 * max(0.0, fitted.fall + fitted.heldout_fall))),
         explainable=explainable,
         rank=form.rank,
-        basis=np.where(evidence.fit, found.column, 0.0)[:, None],
-        size=float(np.sqrt(max(0.0, found.explainable) / np.count_nonzero(rows))),
+        basis=np.where(evidence.fit, fitted.column, 0.0)[:, None],
+        size=float(np.sqrt(max(0.0, fitted.explainable) / np.count_nonzero(rows))),
         is_over_time=False,
         longest_run=longest_run,
     )
 
 
-def _run_of_rows(evidence: Evidence, found: FittedForm) -> int:
+def _run_of_rows(evidence: Evidence, fitted: FittedForm) -> int:
     """Return the length of the run of rows that a form changes, if a logger can cause it; else 0."""
-    place = evidence.places[found.quantity]
-    change = np.where(evidence.fit[place], np.abs(found.column[place]), 0.0)
+    place = evidence.places[fitted.quantity]
+    change = np.where(evidence.fit[place], np.abs(fitted.column[place]), 0.0)
     return run_of_outliers(change > CHANGED * change.max(initial=0.0))
 
 
@@ -251,16 +251,16 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
         step = np.linalg.lstsq(normal, (design * weight) @ fit.z - prior, rcond=1e-12)[0]
         z = (fit.z - step @ design) * level
         noise = fitted_noise(evidence, z, sd, noise, has_own_level)
-        own = noise.levels[evidence.quantity]
-        costs = costs_of_residuals(evidence, z / own, sd * own, noise)
+        fitted_level = noise.levels[evidence.quantity]
+        costs = costs_of_residuals(evidence, z / fitted_level, sd * fitted_level, noise)
         cost = float(costs[rows].sum() + ((prior + step)[has_prior] ** 2).sum()) + fit.by_tolerances + noise.prior_cost
         fallen = best_cost - cost
         if fallen > 0.0:
             best_cost, best_costs, best_size = cost, costs, float(step[0])
         if fallen < SETTLED:
             break
-        of_rows, _ = weights(evidence, z / own, sd * own, noise)
-        weight = np.where(rows, evidence.weight * of_rows * (level / own) ** 2, 0.0)
+        row_weights, _ = weights(evidence, z / fitted_level, sd * fitted_level, noise)
+        weight = np.where(rows, evidence.weight * row_weights * (level / fitted_level) ** 2, 0.0)
     heldout_fall = float((fit.costs - best_costs)[_heldout(evidence, number)].sum())
     fall, numbers = fit.cost - best_cost, 1 + form.chosen
     falls = np.maximum((fit.costs - best_costs)[rows], 0.0)
@@ -270,15 +270,15 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
     )
 
 
-def _refined(evidence: Evidence, fit: HypothesisFit, found: FittedForm, weight: Array) -> FittedForm:
+def _refined(evidence: Evidence, fit: HypothesisFit, fitted: FittedForm, weight: Array) -> FittedForm:
     """Return a bump with the middle and the width that lower the cost most."""
-    bump = found.form
+    bump = fitted.form
     if not isinstance(bump, Bump):
-        return found
-    place = evidence.places[found.quantity]
+        return fitted
+    place = evidence.places[fitted.quantity]
     inside = bump.size[evidence.fit[place] & np.isfinite(bump.size)]
     low, high = float(inside.min()), float(inside.max())
-    best = found
+    best = fitted
 
     def rise(at: Array) -> float:
         nonlocal best
@@ -288,7 +288,7 @@ def _refined(evidence: Evidence, fit: HypothesisFit, found: FittedForm, weight: 
         moved = bump.moved(middle, width)
         column = np.zeros(len(fit.z))
         column[place] = moved.column / fit.sd[place]
-        tried = _fitted(evidence, fit, found.quantity, moved, column, weight)
+        tried = _fitted(evidence, fit, fitted.quantity, moved, column, weight)
         best = tried if tried.fall > best.fall else best
         return -tried.fall
 

@@ -99,7 +99,7 @@ def wheel_speeds(nominal: NominalDrive, commands: Array) -> Array:
 def _reach(template: Measurement, limits: Limits) -> Reach:
     track_m = nominal_drive(template).robot.wheel_separation_m.value
     margin_m = MARGIN_TRACKS * track_m + limits.drift_m
-    along, across = (0.5 * side - margin_m for side in sorted(limits.floor_m, reverse=True))
+    along, across = (0.5 * length_m - margin_m for length_m in sorted(limits.floor_m, reverse=True))
     return Reach(
         rows=round(limits.row_s / ROW_S),
         speed_m_s=limits.max_speed_m_s,

@@ -137,7 +137,7 @@ class Pose:
         turned = 2.0 * pi / robot.encoder.counts_per_revolution * np.abs(self._counted)
         return 0.5 * robot.drive.wheel_diameter_m * turned.mean(axis=-1)
 
-    def by_rows(self, of_windows: Array) -> Array:
+    def by_rows(self, window_values: Array) -> Array:
         """Return values (m,) of the windows at all rows, (n,), interpolated between the middles of windows."""
         values = np.zeros(len(self._t_s))
         middle = 0.5 * (self._first + self._last)
@@ -145,7 +145,7 @@ class Pose:
             inside = (self._first >= start) & (self._first < start + rows)
             if inside.any():
                 number = np.arange(start, start + rows)
-                values[number] = np.interp(number, middle[inside], of_windows[inside])
+                values[number] = np.interp(number, middle[inside], window_values[inside])
         return values
 
     @property
@@ -300,7 +300,7 @@ class Pose:
         # Where the floor is slippery, a share of each motion is lost. A tracked heading that is wrong by a function of
         # the heading changes turns by the derivative of this function, and turns the motion forward to the side.
         sizes = {"position": tuple(predicted.T), "theta_rad": (None, predicted[:, 0], predicted[:, 2])}
-        sds, correlations, of_poses = self._noise(measurement, nominal)
+        sds, correlations, pose_noise = self._noise(measurement, nominal)
         # A place is seen from the body, which has turned until the later window begins.
         alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
         holdout = held_out_rows(measurement)[first] | held_out_rows(measurement)[last]
@@ -318,7 +318,7 @@ class Pose:
                 values=np.where(usable, values[:, k], np.nan),
                 sd=sds[k],
                 correlation=correlations[k],
-                shared=SharedReading(WINDOW // STRIDE, -0.5 * of_poses[k] * alike[k]),
+                shared=SharedReading(WINDOW // STRIDE, -0.5 * pose_noise[k] * alike[k]),
                 readings=READINGS[k],
                 trial=trial,
                 t_s=self._t_s[first],
@@ -348,11 +348,11 @@ class Pose:
             0.5 * float(slip_heading.sum() / (heading.sum() or 1.0)),
         )
         sd = np.sqrt(place)
-        of_place, of_heading = (
+        place_noise, heading_noise = (
             np.divide(2.0 * pose_sd**2, whole, out=np.zeros(len(whole)), where=whole > 0.0)
             for pose_sd, whole in ((noise.xy_m, place), (noise.theta_rad, heading))
         )
-        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1]), (of_place, of_place, of_heading)
+        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1]), (place_noise, place_noise, heading_noise)
 
 
 def _with_slots(robot: RobotConfig, slots: frozenset[Slot]) -> RobotConfig:

@@ -33,7 +33,7 @@ class PoseByWheelSpeeds(Pose):
 
     def _counts(self, measurement: Measurement, nominal: RobotConfig) -> Array:
         forward_m, turn_rad = np.cumsum(self._travel(measurement), axis=0).T
-        rim_m = np.stack([forward_m + side * turn_rad * 0.5 * nominal.drive.track_m for side in (1, -1)], axis=-1)
+        rim_m = np.stack([forward_m + sign * turn_rad * 0.5 * nominal.drive.track_m for sign in (1, -1)], axis=-1)
         self._per_count = 2.0 * pi / nominal.encoder.counts_per_revolution
         counts = rim_m / (0.5 * nominal.drive.wheel_diameter_m * self._per_count)
         return np.where(np.isfinite(_speeds(measurement)).all(axis=-1, keepdims=True), counts, np.nan)

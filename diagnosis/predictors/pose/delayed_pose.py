@@ -28,9 +28,9 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
             parts.append(poses)
             continue
         # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
-        wanted_s = np.clip(times - delay_s[..., part], times[0], times[-1])
-        after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
-        share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
+        delayed_s = np.clip(times - delay_s[..., part], times[0], times[-1])
+        after = np.clip(np.searchsorted(times, delayed_s), 1, rows - 1)
+        share = ((delayed_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
         shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
         poses, index = np.broadcast_to(poses, (*shape, poses.shape[-1])), np.broadcast_to(after, shape)[..., None]
         before, later = (np.take_along_axis(poses, place, axis=-2) for place in (index - 1, index))

@@ -68,9 +68,9 @@ def switchings(rate: Array, threshold: float) -> Array:
     """
     switched = np.zeros(len(rate))
     beyond = np.flatnonzero(np.abs(rate) > threshold)
-    side = np.sign(rate[beyond])
-    others = np.flatnonzero(side[1:] != side[:-1]) + 1
-    switched[beyond[others]] = side[others]
+    sign = np.sign(rate[beyond])
+    others = np.flatnonzero(sign[1:] != sign[:-1]) + 1
+    switched[beyond[others]] = sign[others]
     return switched
 
 

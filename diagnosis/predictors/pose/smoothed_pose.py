@@ -56,10 +56,10 @@ def smoothed_earlier(
         if rows < ROWS:
             continue
         times = t_s[part]
-        wanted_s = np.clip(times - delay_s[..., part], times[0], times[-1])
-        first = np.clip(np.searchsorted(times, wanted_s) - ROWS // 2, 0, rows - ROWS)
+        delayed_s = np.clip(times - delay_s[..., part], times[0], times[-1])
+        first = np.clip(np.searchsorted(times, delayed_s) - ROWS // 2, 0, rows - ROWS)
         around = first[..., None] + np.arange(ROWS)
-        apart = (times[around] - wanted_s[..., None]) / np.median(np.diff(times))
+        apart = (times[around] - delayed_s[..., None]) / np.median(np.diff(times))
         weight = np.maximum(1.0 - (apart / REACH_ROWS) ** 2, 0.0) ** 2
         weight = np.where(weight > MIN_WEIGHT, weight, 0.0)
         if trusted is not None:

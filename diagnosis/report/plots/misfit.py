@@ -98,5 +98,5 @@ def _worst(observed: Observed, z: Array) -> int:
     trials = np.unique(observed.trial)
     # Residuals are limited to 20 sigma, so that a single outlier does not decide.
     residuals = [np.clip(z[(observed.trial == trial) & np.isfinite(z)], -20.0, 20.0) for trial in trials]
-    errors = [float(np.mean(of_trial**2)) if len(of_trial) else 0.0 for of_trial in residuals]
+    errors = [float(np.mean(trial_residuals**2)) if len(trial_residuals) else 0.0 for trial_residuals in residuals]
     return int(trials[int(np.argmax(errors))])

@@ -29,6 +29,6 @@ class FloorSlope(Effect):
 
     def apply(self, creep_m: Array, rolled_m: Array, middle_m: Array) -> Array:
         """Return the creep x, y [m] in W, (..., 2)."""
-        ways = [np.atleast_1d(way(self.direction_rad)) for way in (np.cos, np.sin)]
+        ways = [np.atleast_1d(component(self.direction_rad)) for component in (np.cos, np.sin)]
         travel_m = middle_m + self.on_the_spot * (rolled_m - middle_m)
         return creep_m + self.gradient * travel_m * np.concatenate(ways, axis=-1)

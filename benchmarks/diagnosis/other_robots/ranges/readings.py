@@ -46,10 +46,10 @@ MATERIAL_OFFSETS: dict[str, Callable[[RangeBench, Values], Array]] = {
 
 def _filtered(out: Array, v: Values) -> Array:
     """Return readings of which each keeps a share of the one before."""
-    share, kept = v[0][:, 0], out.copy()
-    for k in range(1, kept.shape[1]):
-        kept[:, k] = share * kept[:, k - 1] + (1 - share) * out[:, k]
-    return kept
+    share, filtered = v[0][:, 0], out.copy()
+    for k in range(1, filtered.shape[1]):
+        filtered[:, k] = share * filtered[:, k - 1] + (1 - share) * out[:, k]
+    return filtered
 
 
 AFTERWARDS: dict[str, Callable[[Array, Values], Array]] = {

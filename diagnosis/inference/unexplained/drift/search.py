@@ -243,12 +243,12 @@ class DriftSearch:
         """Yield the costs of what looks like a drift and has no name, penalised so that all can be compared with it."""
         yield self.cost_of_line(seen)
         # A jump has a size and a moment, which counts as two numbers, and a drift has two.
-        of_jump = PARAMETER_PENALTY * (MOMENT_PARAMETERS if self.is_bench else 1)
-        yield seen.cost + self._rise_with_jump(seen, seen.fit) + of_jump
+        jump_penalty = PARAMETER_PENALTY * (MOMENT_PARAMETERS if self.is_bench else 1)
+        yield seen.cost + self._rise_with_jump(seen, seen.fit) + jump_penalty
         short_s = np.array(SHORT if self.is_bench else SHORT_OF_SERIES) * self.row_s
         short, level = short_noise(seen.series, short_s, seen.max_level)
         yield short + self._prior_of_level(seen, level) - self._prior_of_level(seen, seen.error.level)
-        yield seen.cost + self._rise_with_jump(seen, nominal) + of_jump - parameter_penalty(seen.fit)
+        yield seen.cost + self._rise_with_jump(seen, nominal) + jump_penalty - parameter_penalty(seen.fit)
         if self.is_bench:
             # Size, phase and length.
             for cost in costs_of_waves(seen.fit, self.ranges, self.rows):
@@ -274,10 +274,10 @@ class DriftSearch:
         beside, left = search.beside(seen.fit), best_jump(search.series(fit), search.elsewhere(fit, seen.fit))
         return np.inf if left is None else left.cost - beside.joint_cost(beside.elsewhere)
 
-    def _with_rows(self, kept: Mask) -> "DriftSearch":
+    def _with_rows(self, usable: Mask) -> "DriftSearch":
         """Return the search in some of its rows (n,), which are in order of time."""
         rows = self.rows.copy()
-        rows[np.flatnonzero(rows)[np.argsort(self.time_s[rows], kind="stable")]] = kept
+        rows[np.flatnonzero(rows)[np.argsort(self.time_s[rows], kind="stable")]] = usable
         return replace(self, rows=rows)
 
     def _prior_of_level(self, seen: DriftFit, level: float) -> float:

@@ -15,9 +15,9 @@ def coupling_sentences(fit: HypothesisFit) -> Iterator[str]:
     coupling = fitted_coupling(fit)
     if coupling is not None and abs(coupling.share) >= CLEAR * coupling.std:
         size = with_error(100.0 * abs(coupling.share), 100.0 * coupling.std)
-        way = "takes" if coupling.share > 0.0 else "adds"
+        verb = "takes" if coupling.share > 0.0 else "adds"
         yield (
-            f"The body of the robot couples its wheels: an acceleration of one wheel also {way} torque at the "
+            f"The body of the robot couples its wheels: an acceleration of one wheel also {verb} torque at the "
             f"other one, {size} % of what it takes at its own. nominal.yaml states no such number; it is fitted, "
             "and is no fault of the robot."
         )

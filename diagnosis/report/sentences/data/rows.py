@@ -17,8 +17,8 @@ def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.measurement.kind is CaseKind.MOTOR_STEADY:
         rows_at_rest = stuck_rows(diagnosis.measurement, diagnosis.nominal)
         for sign in (1.0, -1.0):
-            if of_sign := [row for row in rows_at_rest if sign * row.voltage_V > 0.0]:
-                yield _stuck(of_sign, diagnosis)
+            if rows_of_sign := [row for row in rows_at_rest if sign * row.voltage_V > 0.0]:
+                yield _stuck(rows_of_sign, diagnosis)
     evidence = diagnosis.evidence
     rows = {len(observed.values) for observed in evidence.observed}
     # With held-out rows there is no need to leave out one row at a time, and long logs would take too long.

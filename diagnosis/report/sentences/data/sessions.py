@@ -38,11 +38,11 @@ def session_sentences(fit: HypothesisFit) -> Iterator[str]:
     by_effect: dict[str, list[FittedError]] = {}
     for error in fitted_errors(fit):
         if error.is_change:
-            side = "ahead of" if error.value > 0.0 else "behind"
+            place = "ahead of" if error.value > 0.0 else "behind"
             size = with_error(1e3 * abs(error.value), 1e3 * error.std)
             yield (
-                f"Since the pause before trial {error.session}, the tracked heading is {size} mrad {side} where it was "
-                "before the first pause. This is fitted with the robot and is no part of it."
+                f"Since the pause before trial {error.session}, the tracked heading is {size} mrad {place} where it "
+                "was before the first pause. This is fitted with the robot and is no part of it."
             )
         else:
             by_effect.setdefault(error.effect, []).append(error)

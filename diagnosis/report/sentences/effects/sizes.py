@@ -51,7 +51,7 @@ def _errors(fit: HypothesisFit, sizes: Sizes) -> list[float]:
 def _error(slope: Array, covariance: Array) -> float:
     """Return the standard error of a size by its slopes (P,); infinite if it depends on what is not determined."""
     matters = slope != 0.0
-    of_size = covariance[np.ix_(matters, matters)]
-    if not np.isfinite(of_size).all():
+    covariance_of_size = covariance[np.ix_(matters, matters)]
+    if not np.isfinite(covariance_of_size).all():
         return inf
-    return sqrt(max(0.0, slope[matters] @ of_size @ slope[matters]))  # which rounding may bring below zero
+    return sqrt(max(0.0, slope[matters] @ covariance_of_size @ slope[matters]))  # which rounding may bring below zero

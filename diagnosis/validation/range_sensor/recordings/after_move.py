@@ -39,7 +39,7 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
     # Least squares over all moves.
     shares = (changed * change).sum(axis=0) / (change**2).sum()
     configured = modelled(mounted.tof.period_s, mounted.tof.delay_s, poll_s, count)
-    of_device = modelled(DEVICE_PERIOD_S, mounted.tof.delay_s, poll_s, count)
+    device_readings = modelled(DEVICE_PERIOD_S, mounted.tof.delay_s, poll_s, count)
     table = {
         "moves": int(jumps.sum()),
         "share_of_change": shares,
@@ -48,14 +48,14 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
         "same_as_reading_before": (readings[:, 1:] == readings[:, :-1]).mean(axis=0),
         "reading_every_s": poll_s,
         "model": configured,
-        "model_at_device_period": of_device,
+        "model_at_device_period": device_readings,
     }
     as_configured = " ".join(f"{share:.2f}" for share in configured)
     detail = f"{table['moves']} moves, a reading every {poll_s:.2f} s; the model as configured: {as_configured}"
     checks = [
         ValidationCheck(
             f"share of the change in reading {k + 1} after a move",
-            float(of_device[k]),
+            float(device_readings[k]),
             float(shares[k]),
             TOLERANCE,
             f"the recording; model with the device's period of {DEVICE_PERIOD_S:g} s",
@@ -70,7 +70,7 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
     number = np.arange(1, count + 1)
     curves = (
         Curve(number, shares, "measured", PALE, kind="bars"),
-        Curve(number, of_device, f"model, {DEVICE_PERIOD_S:g} s", BLUE, "x-"),
+        Curve(number, device_readings, f"model, {DEVICE_PERIOD_S:g} s", BLUE, "x-"),
         Curve(number, configured, "model as configured", VERMILION, "+--"),
     )
     axes = "number of the reading at the new place", "share of the change from the old to the new range"

@@ -77,11 +77,11 @@ class Driver:
         """Return the voltages of both wheels: feed-forward of the nominal motor and PI control."""
         m, volts = self.bot.motor, []
         for c, sign in enumerate((-1, 1)):
-            wanted = (self.v + sign * 0.5 * self.bot.track * self.w) / self.bot.radius
-            error = wanted - speeds[c]
-            moves = abs(wanted) > 1e-6
+            set_speed = (self.v + sign * 0.5 * self.bot.track * self.w) / self.bot.radius
+            error = set_speed - speeds[c]
+            moves = abs(set_speed) > 1e-6
             self.integral[c] = float(np.clip(self.integral[c] + error * DT_S, -3, 3)) if moves else 0.0
-            feed = m.K * wanted + m.R / m.K * (m.B * wanted + m.Tc * np.sign(wanted))
+            feed = m.K * set_speed + m.R / m.K * (m.B * set_speed + m.Tc * np.sign(set_speed))
             u = feed + m.K * (0.4 * error + 1.2 * self.integral[c])
             volts.append(round(float(np.clip(u, -m.supply, m.supply)), 3))
         return volts
