@@ -258,7 +258,7 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     for k, nuisance in enumerate(hypothesis.nuisances):
         # Of an effect, the robot has nothing at the nominal value, so the slope is that between two others.
         near, far = (nuisance.value + times * nuisance.tolerance for times in (1.5, 3.0))
-        before, after = (plain_tree(nuisance.applied(bare, at)) for at in (near, far))
+        before, after = (plain_tree(nuisance.change_robot(bare, at)) for at in (near, far))
         for path in leaf_paths(difference_of(after, plain_tree(bare))):
             ends = [_section(tree, path)[str(path[-1])] for tree in (before, after)]
             slope = (ends[1] - ends[0]) / (far - near)

@@ -57,7 +57,7 @@ class Nuisance:
     tolerance: float
     """Standard deviation between units."""
     unit: str
-    applied: Callable[[RobotConfig, Number], RobotConfig]
+    change_robot: Callable[[RobotConfig, Number], RobotConfig]
     """Function that returns a robot with another value of the parameter, or with an array for many robots at once
     (`physics.robot.stack`). The robot has all its effects: what they add or scale applies on top of the value, and an
     effect of the same name, added later, would replace it."""
@@ -98,7 +98,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
     if nominal.motor is not None:
         for name, field in nominal.motor:
             if isinstance(field, (PositiveSpread, Spread)):
-                yield of_section("motor", name, name, field.value, field.tolerance)
+                yield section_nuisance("motor", name, name, field.value, field.tolerance)
     if isinstance(nominal, NominalDrive):
         yield from _wheels(nominal.robot)
         if nominal.tof is not None:
@@ -110,16 +110,16 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
 
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
     radius, separation = robot.wheel_radius_m, robot.wheel_separation_m
-    yield of_section("drive", "wheel_diameter_m", "wheel_radius_m", radius.value, radius.tolerance, factor=2.0)
-    yield of_section("drive", "track_m", "wheel_separation_m", separation.value, separation.tolerance)
+    yield section_nuisance("drive", "wheel_diameter_m", "wheel_radius_m", radius.value, radius.tolerance, factor=2.0)
+    yield section_nuisance("drive", "track_m", "wheel_separation_m", separation.value, separation.tolerance)
 
 
 def _wheel_asymmetry(spread: Spread) -> Nuisance:
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(WheelRadiusAsymmetry) or WheelRadiusAsymmetry.null()
         return robot.with_effect(WheelRadiusAsymmetry.model_construct(asymmetry=present.asymmetry + value))
 
-    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", applied)
+    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", changed)
 
 
 TIMING_S = 5e-4
@@ -130,11 +130,11 @@ two samples, or the integration steps of a simulation. A delay that matters with
 def command_timing() -> Nuisance:
     """Return the nuisance for the timing of a drive's voltages."""
 
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(InputDelay) or InputDelay.null()
         return robot.with_effect(InputDelay.model_construct(delay_s=present.delay_s + np.maximum(value, 0.0)))
 
-    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", applied)
+    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", changed)
 
 
 CREEP_ON_THE_SPOT = 0.5
@@ -145,51 +145,53 @@ roll, and 0 if the robot creeps only while its middle moves; no source says whic
 def creep_on_the_spot() -> Nuisance:
     """Return the nuisance for the creep of a sloping floor under a robot that turns on the spot."""
 
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(FloorSlope)
         if present is None:
             return robot
-        changed = {**dict(present), "on_the_spot": present.on_the_spot * value}
-        return robot.with_effect(FloorSlope.model_construct(**changed))
+        fields = {**dict(present), "on_the_spot": present.on_the_spot * value}
+        return robot.with_effect(FloorSlope.model_construct(**fields))
 
     name, lowest = "creep_on_the_spot", -1.0 / CREEP_ON_THE_SPOT
-    return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", applied, bounds=(lowest, 0.0))
+    return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", changed, bounds=(lowest, 0.0))
 
 
 UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}
 
 
-def of_section(section: str, key: str, name: str, value: float, tolerance: float, *, factor: float = 1.0) -> Nuisance:
+def section_nuisance(
+    section: str, key: str, name: str, value: float, tolerance: float, *, factor: float = 1.0
+) -> Nuisance:
     """Return the nuisance of a robot parameter, which is `factor` times that of the case."""
     unit = next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
     return Nuisance(name, value, tolerance, unit, SectionField(section, key, factor))
 
 
 def _range_offset(spread: Spread) -> Nuisance:
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(RangeOffset) or RangeOffset.model_construct(offset_m=spread.value)
         return robot.with_effect(RangeOffset.model_construct(offset_m=present.offset_m + (value - spread.value)))
 
-    return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", applied)
+    return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", changed)
 
 
 def _range_scale(spread: PositiveSpread) -> Nuisance:
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(RangeScale) or RangeScale.model_construct(scale=spread.value)
         return robot.with_effect(RangeScale.model_construct(scale=present.scale * (value / spread.value)))
 
-    return Nuisance("range_scale", spread.value, spread.tolerance, "1", applied)
+    return Nuisance("range_scale", spread.value, spread.tolerance, "1", changed)
 
 
-def applied(robot: RobotConfig, values: Iterable[tuple[Nuisance, Number]]) -> RobotConfig:
+def with_values(robot: RobotConfig, values: Iterable[tuple[Nuisance, Number]]) -> RobotConfig:
     """Return a robot with other values of several parameters, each of which is in `values` once."""
     sections: dict[str, dict[str, Number]] = {}
     for nuisance, value in values:
-        change = nuisance.applied
+        change = nuisance.change_robot
         if isinstance(change, SectionField):
             sections.setdefault(change.section, {})[change.key] = change.factor * value
         else:
-            robot = nuisance.applied(robot, value)
+            robot = change(robot, value)
     for section, changed in sections.items():
         robot = robot.with_section(section, changed)
     return robot

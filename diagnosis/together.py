@@ -114,19 +114,21 @@ def joint_nuisances(measurement: Measurement, robot: RobotConfig, evidence: Evid
         first += len(case.trials)
         for nuisance in _stated(case):
             if nuisance.name == INERTIA and nuisance.value != robot.motor.rotor_inertia_kg_m2:
-                local.append(_of_case(case, nuisance, robot, evidence, rows))
+                local.append(_case_inertia(case, nuisance, robot, evidence, rows))
             elif nuisance.name not in shared or nuisance.tolerance < shared[nuisance.name].tolerance:
                 shared[nuisance.name] = nuisance
     return (*shared.values(), *local)
 
 
-def _of_case(case: Measurement, nuisance: Nuisance, robot: RobotConfig, evidence: Evidence, rows: Mask) -> Nuisance:
+def _case_inertia(
+    case: Measurement, nuisance: Nuisance, robot: RobotConfig, evidence: Evidence, rows: Mask
+) -> Nuisance:
     """Return a nuisance of the inertia of one case, which changes the samples of that case only."""
     both = []
     for sign in (1.0, -1.0):
         inertia = nuisance.value + sign * STEP * nuisance.tolerance
         stages = [
-            stage.with_inertia(inertia) if isinstance(stage, OfCase) and stage.case == case.name else stage
+            stage.with_inertia(inertia) if isinstance(stage, CaseStage) and stage.case == case.name else stage
             for stage in evidence.stages
         ]
         both.append(Evidence(stages).as_measured().predicted([robot]).mean[0])
@@ -151,7 +153,7 @@ def _stages(measurement: Measurement, robot: RobotConfig) -> Iterator[Stage]:
         case_robot = robot if case.nominal is None else nominal_robot(case.nominal, robot)
         stated = _differing(robot, case_robot)
         for stage in STAGES[case.kind](case, case_robot):
-            yield OfCase(stage, case.name, first, stated, has_play=case.kind not in DRIVES)
+            yield CaseStage(stage, case.name, first, stated, has_play=case.kind not in DRIVES)
         first += len(case.trials)
 
 
@@ -165,7 +167,7 @@ def _differing(robot: RobotConfig, case_robot: RobotConfig) -> Mapping[str, Mapp
     return MappingProxyType(differing)
 
 
-class OfCase:
+class CaseStage:
     """A stage of one of several cases: its quantities carry the name of the case, and its trials count on."""
 
     def __init__(
@@ -194,7 +196,7 @@ class OfCase:
                 observed,
                 name=f"{observed.name}[{case}]",
                 trial=observed.trial + first_trial,
-                early=observed.early and observed.early.of_robots(self._as_stated),
+                early=observed.early and observed.early.for_stated_robot(self._as_stated),
             )
             for observed in stage.observed
         )
@@ -208,11 +210,11 @@ class OfCase:
             return None
         return self._stage.coupling_rad_s(self._as_stated(robot), share)
 
-    def with_inertia(self, inertia_kg_m2: float) -> "OfCase":
+    def with_inertia(self, inertia_kg_m2: float) -> "CaseStage":
         """Return the stage of a case that states another inertia."""
         motor = {**self._stated.get("motor", {}), INERTIA: inertia_kg_m2}
         stated = {**self._stated, "motor": motor}
-        return OfCase(self._stage, self.case, self._first, stated, has_play=self._has_play)
+        return CaseStage(self._stage, self.case, self._first, stated, has_play=self._has_play)
 
     def _as_stated(self, robot: RobotConfig) -> RobotConfig:
         for section, values in self._stated.items():

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.case_files.nominal import KnownWheels, NominalLog, NominalRobot, PositiveSpread, Spread
-from diagnosis.nuisances import Nuisance, Number, nuisances, of_section
+from diagnosis.nuisances import Nuisance, Number, nuisances, section_nuisance
 
 SHARES: Mapping[str, float] = {
     "winding_resistance_ohm": 0.05,
@@ -36,7 +36,7 @@ turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 
 def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Return the nuisances of the motor of a robot."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
-    return tuple(of_section("motor", name, name, value, SHARES[name] * value) for name, value in values.items())
+    return tuple(section_nuisance("motor", name, name, value, SHARES[name] * value) for name, value in values.items())
 
 
 def usual_of_log(case: NominalLog) -> tuple[Nuisance, ...]:
@@ -48,12 +48,12 @@ def usual_of_log(case: NominalLog) -> tuple[Nuisance, ...]:
         diameter_m=drive.wheel_diameter_m, track_m=drive.track_m, counts_per_turn=encoder.counts_per_revolution
     )
 
-    def applied(robot: RobotConfig, value: Number) -> RobotConfig:
+    def changed(robot: RobotConfig, value: Number) -> RobotConfig:
         return robot.with_section("encoder", {"delay_s": value})
 
     if case.twist == "truth":
-        return (Nuisance("speed_age_s", encoder.delay_s, BODY_SPEED_AGE_S, "s", applied),)
-    return (*nuisances(wheels), Nuisance("speed_age_s", encoder.delay_s, SPEED_AGE_S, "s", applied))
+        return (Nuisance("speed_age_s", encoder.delay_s, BODY_SPEED_AGE_S, "s", changed),)
+    return (*nuisances(wheels), Nuisance("speed_age_s", encoder.delay_s, SPEED_AGE_S, "s", changed))
 
 
 def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -> KnownWheels:

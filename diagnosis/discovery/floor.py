@@ -17,7 +17,7 @@ EDGE = 0.03
 and a robot has two wheels, which do not come to the edge at once."""
 
 
-def of_floor(place: LawPlace, x: SlotCovariate, y: SlotCovariate) -> Iterator[LawForm]:
+def floor_forms(place: LawPlace, x: SlotCovariate, y: SlotCovariate) -> Iterator[LawForm]:
     """Yield the forms over a place."""
     span = min(x.high - x.low, y.high - y.low)
     width_m = rounded(EDGE * span)

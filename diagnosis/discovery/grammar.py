@@ -11,9 +11,9 @@ from itertools import product
 import numpy as np
 
 from configs.effects.base import Slot
-from diagnosis.discovery.floor import of_floor
+from diagnosis.discovery.floor import floor_forms
 from diagnosis.discovery.form import MANY, LawForm, LawNumber, sized, unit_per, with_unit
-from diagnosis.discovery.past import of_past
+from diagnosis.discovery.past import past_forms
 from diagnosis.discovery.place import LawPlace, SlotCovariate
 from symolo.core.arrays import Array
 
@@ -64,8 +64,8 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
     several = [each for each in place.covariates.values() if can_have_law(each)]
     x, y = place.covariates.get("x_m"), place.covariates.get("y_m")
     if x is not None and y is not None:
-        yield from of_floor(place, x, y)
-    yield from of_past(place)
+        yield from floor_forms(place, x, y)
+    yield from past_forms(place)
     if place.may_be_constant:
         yield _offset(place)
     for covariate in place.covariates.values():
@@ -75,10 +75,10 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
         is_slow = place.is_factor or covariate.is_of_path
         yield from _jumps_and_drifts(place, covariate) if is_slow else _along(place, covariate)
     if place.slot is Slot.RANGE:
-        yield from _of_range(place, several, materials)
+        yield from _range_forms(place, several, materials)
     if place.is_odd:
         for covariate in place.covariates.values():
-            yield from _of_ends(place, covariate)
+            yield from _end_forms(place, covariate)
 
 
 def can_have_law(c: SlotCovariate) -> bool:
@@ -146,7 +146,7 @@ def _jumps_and_drifts(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     yield from _powers(place, c, None)
 
 
-def _of_range(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequence[str]) -> Iterator[LawForm]:
+def _range_forms(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequence[str]) -> Iterator[LawForm]:
     """Yield the forms that only a range has."""
     distance, incidence = (place.covariates.get(name) for name in ("distance_m", "incidence_rad"))
     for covariate in several:
@@ -156,7 +156,7 @@ def _of_range(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequ
         for material in ("", *(materials if len(materials) > 1 else ())):
             yield _oblique(place, incidence, material)
     if distance is not None and not place.member:
-        yield from _of_reading(place, distance)
+        yield from _reading_forms(place, distance)
 
 
 def _edged(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
@@ -319,7 +319,7 @@ def _oblique(place: LawPlace, c: SlotCovariate, material: str) -> LawForm:
     )
 
 
-def _of_reading(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+def _reading_forms(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield what a range sensor may do to its reading: a floor, and coarse steps."""
     edges, span = _edges(c.values), c.high - c.low
     floor = LawNumber("floor_m", "m", "Smallest reading", edges[len(edges) // 4], 0.0, 2.0 * c.high, 0.0)
@@ -348,7 +348,7 @@ def _of_reading(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     )
 
 
-def _of_ends(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+def _end_forms(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield what may happen to small and large values: a dead zone, and an end of the range."""
     x, edges = "{" + c.name + "}", _edges(c.values)
     name, words = with_unit("below", c.unit), f"Smaller values are zero, {c.words}"

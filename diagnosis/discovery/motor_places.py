@@ -14,7 +14,7 @@ WHEELS = ("wheel_left_rad_s", "wheel_right_rad_s")
 SIDES = {"left": WHEELS[0], "right": WHEELS[1]}
 
 
-def of_motor(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[LawPlace]:
+def motor_places(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[LawPlace]:
     """Yield the places of a motor.
 
     Args:
@@ -42,7 +42,7 @@ def of_motor(evidence: Evidence, motor: Motor, *, by_steps: bool) -> Iterator[La
             return
 
 
-def of_wheels(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
+def wheel_places(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
     """Yield the places of the motors of a drive, whose currents are not known."""
     sides = [observed.name for observed in evidence.observed if observed.name in WHEELS and observed.usable.any()]
     if not sides:
@@ -186,7 +186,7 @@ def _voltage(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
     """Yield what reaches the motor of each voltage, and the supply over time."""
     arguments = "voltage_V: Array, time_s: float | Array"
     volts = read.visible * (motor.torque_constant_N_m_A if by_speed else motor.winding_resistance_ohm)
-    size = _of_voltage(read, "np.abs(voltage_V)")
+    size = _voltage_covariate(read, "np.abs(voltage_V)")
     yield LawPlace(
         Slot.BATTERY,
         prefix="voltage",
@@ -239,7 +239,7 @@ def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
             setups=_BENCH_AND_DRIVE,
             is_factor=True,
         )
-    voltage = _of_voltage(read, "voltage_V", is_past=True)
+    voltage = _voltage_covariate(read, "voltage_V", is_past=True)
     time = read.covariate("t_s", "time", "time since power-on [s]", "s", "duration_s", is_past=True)
     yield LawPlace(
         Slot.WINDING_HEAT,
@@ -255,7 +255,7 @@ def _winding(read: QuantityRead, motor: Motor, *, by_speed: bool) -> Iterator[La
     )
 
 
-def _of_voltage(read: QuantityRead, expression: str, *, is_past: bool = False) -> SlotCovariate | None:
+def _voltage_covariate(read: QuantityRead, expression: str, *, is_past: bool = False) -> SlotCovariate | None:
     """Return the size of the commanded voltage, which has one name on a bench and another one in a drive."""
     both = (
         read.covariate(name, "voltage", "voltage [V]", "V", expression, is_size=True, is_past=is_past)

@@ -12,14 +12,14 @@ LAGS = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Time constants of a lag, as shares of the session."""
 
 
-def of_past(place: LawPlace) -> Iterator[LawForm]:
+def past_forms(place: LawPlace) -> Iterator[LawForm]:
     """Yield the forms that depend on the row before, or on all rows before."""
     step, trend, voltage, time = (place.covariates.get(name) for name in (STEP, "voltage_step_V", "u_cmd_V", "t_s"))
     if place.slot is Slot.RANGE and step is not None:
-        yield from _of_reading_before(place, step)
+        yield from _previous_reading_forms(place, step)
     if place.slot is Slot.RAY_WEIGHT:
         for covariate in place.covariates.values():
-            yield from _of_rays(place, covariate)
+            yield from _ray_weight_forms(place, covariate)
     if place.slot is Slot.FRICTION and trend is not None and trend.low < 0.0 < trend.high:
         more = sized(place, "more", "Change after a fall of the voltage's size")
         yield LawForm(
@@ -35,7 +35,7 @@ def of_past(place: LawPlace) -> Iterator[LawForm]:
         yield _heat(place, voltage, time)
 
 
-def _of_reading_before(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+def _previous_reading_forms(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield what a range sensor keeps of its reading before: a share of it, and the direction of the change."""
     x, reach = "{" + c.name + "}", max(abs(c.low), abs(c.high))
     share = LawNumber.amplitude("share", "1", place.size / reach, "Share of the reading before in each reading")
@@ -60,7 +60,7 @@ def _of_reading_before(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     )
 
 
-def _of_rays(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
+def _ray_weight_forms(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     """Yield weights that fall with the distance along a ray, as a power or exponentially."""
     x = "{" + c.name + "}"
     exponent = LawNumber("exponent", "1", "Exponent of the fall", 2.0, -6.0, 6.0, 0.0)

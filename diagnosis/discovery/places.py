@@ -8,9 +8,9 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import Motor
-from diagnosis.discovery.motor_places import of_motor, of_wheels
+from diagnosis.discovery.motor_places import motor_places, wheel_places
 from diagnosis.discovery.place import STEP, TIMES, LawPlace, QuantityRead, varying
-from diagnosis.discovery.pose_places import of_pose
+from diagnosis.discovery.pose_places import pose_places
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.case_files.case_format import RANGE_SIDES
 from diagnosis.measured.measurement import CaseKind
@@ -43,16 +43,16 @@ def places(kind: CaseKind, evidence: Evidence, motor: Motor) -> tuple[LawPlace, 
     if kind is CaseKind.RANGE_SCAN:
         return (_rays(evidence),)
     if kind in {CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP}:
-        return tuple(of_motor(evidence, motor, by_steps=kind is CaseKind.MOTOR_STEP))
+        return tuple(motor_places(evidence, motor, by_steps=kind is CaseKind.MOTOR_STEP))
     if kind is CaseKind.DRIVE_LOG:
-        return tuple(_of_drive(evidence, motor))
+        return tuple(_drive_places(evidence, motor))
     return ()
 
 
-def _of_drive(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
+def _drive_places(evidence: Evidence, motor: Motor) -> Iterator[LawPlace]:
     """Yield the places of motors, wheels and range sensors: those of all alike, and of each alone."""
-    yield from of_wheels(evidence, motor)
-    yield from of_pose(evidence)
+    yield from wheel_places(evidence, motor)
+    yield from pose_places(evidence)
     ranges = [o.name for o in evidence.observed if o.channel == RANGE_CHANNEL and o.usable.any()]
     if not ranges:
         return

@@ -11,7 +11,7 @@ FLOOR = "from physics.robot.floor_place import FloorPlace"
 AT_WHEEL = "from physics.robot.floor_place import FloorPlace, at_wheel"
 
 
-def of_pose(evidence: Evidence) -> Iterator[LawPlace]:
+def pose_places(evidence: Evidence) -> Iterator[LawPlace]:
     """Yield the places of a robot whose counts and poses are logged."""
     names = {observed.name for observed in evidence.observed if observed.usable.any()}
     if not {"pose_dx_m", "pose_dtheta_rad"} <= names:

@@ -10,7 +10,7 @@ from diagnosis.engine.base import DRIVERS, PYBULLET, TWIN
 from diagnosis.engine.drive import DrivenPath, EngineDrive
 from diagnosis.engine.motor import MotorOnBench
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
+from diagnosis.inference.gain import Gain, evidence_of_quantity, gain_of, trimmed_rms
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
@@ -97,7 +97,7 @@ def _engines(measurement: Measurement, nominal: RobotConfig) -> Iterator[tuple[s
 
 def _errors(evidence: Evidence, mean: Array) -> Iterator[EngineError]:
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        gain = gain_of(of_quantity(evidence, place), mean)
+        gain = gain_of(evidence_of_quantity(evidence, place), mean)
         if gain is not None:
             before, after = np.abs(evidence.values[place] - mean[:, place])[:, evidence.heldout[place]]
             yield EngineError(observed.name, observed.unit, trimmed_rms(before), trimmed_rms(after), gain)

@@ -42,7 +42,7 @@ class MotorOnBench(EngineStage):
 
     def _means(self, robot: RobotConfig) -> tuple[Array, Array]:
         is_step = self._measurement.kind is CaseKind.MOTOR_STEP
-        return self._of_steps(robot) if is_step else self._settled(robot)
+        return self._step_responses(robot) if is_step else self._settled(robot)
 
     def _settled(self, robot: RobotConfig) -> tuple[Array, Array]:
         """Return current [A] and speed [rad/s] in steady state, (n,) each."""
@@ -59,7 +59,7 @@ class MotorOnBench(EngineStage):
         read_speed = read_settled_speed_rad_s(robot.effects, speed, since_on_s)
         return read_current_A(robot.effects, current, since_on_s), read_speed
 
-    def _of_steps(self, robot: RobotConfig) -> tuple[Array, Array]:
+    def _step_responses(self, robot: RobotConfig) -> tuple[Array, Array]:
         """Return current [A] and speed [rad/s] against time, (n,) each."""
         measurement = self._measurement
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None

@@ -3,7 +3,7 @@
 The name of a file states what was logged; its first line is the header. Times are in ms in older files and in s in
 newer ones, where they have decimals. Wheel speeds are in rpm, commands are duty cycles of the bridge from -255 to 255,
 and the battery is in mV. Every fourth row of steady speeds is held out. Each wheel has its own motor, so the wheels
-must be diagnosed one at a time (`of_part`).
+must be diagnosed one at a time (`select_part`).
 """
 
 import re

@@ -76,7 +76,7 @@ def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
     if not rows.any():
         return None
     z = np.abs((evidence.values - mean) / evidence.sd)
-    stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
+    stages = [rows & (evidence.stage_index == k) for k in range(len(evidence.stages))]
     block = row_blocks(evidence)
     parts = [(z[:, stage], block[stage]) for stage in stages if stage.any()]
     by_quantity = []
@@ -105,7 +105,7 @@ def gain_of_sizes(
     return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, by_quantity)
 
 
-def of_quantity(evidence: Evidence, place: slice) -> Evidence:
+def evidence_of_quantity(evidence: Evidence, place: slice) -> Evidence:
     """Return the same evidence with the held-out rows of one observed quantity only."""
     heldout = np.zeros_like(evidence.heldout)
     heldout[place] = evidence.heldout[place]

@@ -45,7 +45,7 @@ def hold_out(measurement: Measurement, patterns: Sequence[str]) -> Measurement:
     return replace(measurement, trials=trials)
 
 
-def of_part(measurement: Measurement, part: str) -> Measurement:
+def select_part(measurement: Measurement, part: str) -> Measurement:
     """Return the measurement with the trials of one part of the robot, such as `left wheel`.
 
     The two motors of a robot are two measurements of a motor.

@@ -91,10 +91,10 @@ def noise_of_differences(values: Array, joined: Mask | None = None) -> Noise | N
         joined: (N - 1,), whether a row and the next are one regular step apart; all by default.
     """
     joined = np.ones(max(0, len(values) - 1), dtype=bool) if joined is None else joined
-    whole = _of_differences(values, joined)
+    whole = _difference_noise(values, joined)
     if whole is None or len(values) < BLOCKS * MIN_BLOCK_ROWS:
         return whole
-    without = [_of_differences(others, joined) for others in without_blocks(values)]
+    without = [_difference_noise(others, joined) for others in without_blocks(values)]
     known = [(noise.sd, noise.correlation) for noise in without if noise is not None]
     if len(known) < BLOCKS:
         return whole
@@ -116,7 +116,7 @@ def jackknife_error(estimates: Sequence[Sequence[float]]) -> Array:
     return np.std(np.array(estimates), axis=0) * sqrt(BLOCKS - 1)
 
 
-def _of_differences(values: Array, joined: Mask) -> Noise | None:
+def _difference_noise(values: Array, joined: Mask) -> Noise | None:
     one, two = (_second_differences(values, joined, k) for k in (1, 2))
     rows = int(np.count_nonzero(np.isfinite(two)))
     if rows < MIN_ROWS:

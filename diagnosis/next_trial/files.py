@@ -41,7 +41,7 @@ def trial_files(design: TrialDesign, command: str, simulation: str = "") -> Mapp
         INSTRUCTIONS: trial_text(design, command, simulation, folder),
         f"{folder}/{DATA}": csv_of(to_fill(design.trial) if is_drive else design.trial),
         f"{folder}/{NOMINAL}": yaml.safe_dump(nominal.model_dump(mode="json"), sort_keys=False),
-        PREDICTIONS: "\n".join(_of_quantities(design) if is_drive else _predictions(design)) + "\n",
+        PREDICTIONS: "\n".join(_quantity_lines(design) if is_drive else _predictions(design)) + "\n",
         EXPECTED: json.dumps(as_json(design), indent=2, ensure_ascii=False) + "\n",
     }
     if isinstance(nominal, NominalSteady | NominalStep):
@@ -84,7 +84,7 @@ def _predictions(design: TrialDesign) -> Iterator[str]:
         yield ",".join([number[k], f"{t_s[k]:.6g}", *cells])
 
 
-def _of_quantities(design: TrialDesign) -> Iterator[str]:
+def _quantity_lines(design: TrialDesign) -> Iterator[str]:
     """Yield a table with what each model predicts of each sample of a drive, whose quantities differ in their times."""
     yield ",".join(["quantity", "unit", "t_s", *(f"if {model.name}" for model in design.models)])
     for observed, means in zip(design.observed, np.split(design.means, design.ends[:-1], axis=1), strict=True):

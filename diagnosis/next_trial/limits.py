@@ -100,7 +100,7 @@ def limits_of(
         distances_m or (float(distance_m.min()), float(distance_m.max())),
     )
     if template.kind is CaseKind.DRIVE_LOG:
-        limits = _of_drive(template, limits, floor_m, max_speed_m_s)
+        limits = _drive_limits(template, limits, floor_m, max_speed_m_s)
     min_rows = 1 if template.kind in {CaseKind.MOTOR_STEP, CaseKind.DRIVE_LOG} else MIN_ROWS
     if not min_rows <= limits.units <= MAX_ROWS:
         cure = "change --seconds or --row-seconds, or give --rows"
@@ -111,7 +111,7 @@ def limits_of(
     return limits
 
 
-def _of_drive(
+def _drive_limits(
     template: Measurement, limits: Limits, floor_m: tuple[float, float] | None, max_speed_m_s: float | None
 ) -> Limits:
     """Return the limits with those of a drive.

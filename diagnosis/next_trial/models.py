@@ -54,7 +54,7 @@ def predicted_units(diagnosis: Diagnosis, models: Sequence[RemainingModel], meas
     evidence = _evidence(diagnosis, measurement)
     is_drive = measurement.kind is CaseKind.DRIVE_LOG
     rows = np.flatnonzero(evidence.fit) if is_drive else np.arange(len(evidence.values))
-    changes = _of_session(measurement, evidence, diagnosis) if is_drive else np.empty((0, len(evidence.values)))
+    changes = _session_changes(measurement, evidence, diagnosis) if is_drive else np.empty((0, len(evidence.values)))
     levels = noise_levels(diagnosis)
     level = np.repeat([levels.get(observed.channel, 1.0) for observed in evidence.observed], evidence.counts)
     sd = evidence.sd * level / np.sqrt(evidence.weight)
@@ -84,7 +84,7 @@ def _evidence(diagnosis: Diagnosis, measurement: Measurement) -> Evidence:
     return Evidence(stages, by_quantity)
 
 
-def _of_session(measurement: Measurement, evidence: Evidence, diagnosis: Diagnosis) -> Array:
+def _session_changes(measurement: Measurement, evidence: Evidence, diagnosis: Diagnosis) -> Array:
     """Return the changes of the samples (E, N) by the errors of the session of a drive, by one tolerance each.
 
     The session is another one than that of the old data.

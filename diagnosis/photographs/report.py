@@ -59,7 +59,7 @@ def figure_rows(look: FittedLook) -> tuple[FigureRow, ...]:
     if look.rendered:
         look_figures: dict[str, tuple[float, ...]] = {**medians([image.figures for image in look.rendered])}
     else:
-        _, model_figures = _of_model(look)
+        _, model_figures = _image_of_model(look)
         look_figures = {name: (getattr(model_figures, name),) for name in OF_THE_CAMERA}
     return tuple(FigureRow(f.name, table[f.name], look_figures.get(f.name, ())) for f in fields(ImageFigures))
 
@@ -80,7 +80,7 @@ def table_lines(look: FittedLook) -> Iterator[str]:
 
 def report_page(look: FittedLook, notes: Sequence[str]) -> str:
     """Return one page that needs no file beside itself."""
-    images = [(image.name, _shown(image)) for image in look.rendered] or [(_column(look), _of_model(look)[0])]
+    images = [(image.name, _shown(image)) for image in look.rendered] or [(_column(look), _image_of_model(look)[0])]
     return render_page(
         "diagnosis.photographs",
         title=f"{look.name}: look of photographs",
@@ -94,7 +94,7 @@ def report_page(look: FittedLook, notes: Sequence[str]) -> str:
     )
 
 
-def _of_model(look: FittedLook) -> tuple[BgrImage, ImageFigures]:
+def _image_of_model(look: FittedLook) -> tuple[BgrImage, ImageFigures]:
     """Return the image of the camera model, and its figures."""
     shape = look.photographs[0].place.shape
     place = model_image(look.camera, shape, median_of(look.photographs, lambda p: p.place.width_px))

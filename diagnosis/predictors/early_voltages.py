@@ -36,12 +36,12 @@ class EarlyVoltages:
     scatter: Array
     """(n,), root of the sum of the squares of the responses to each change alone, if it acts a whole row early."""
 
-    def of_robots(self, stated: Callable[[RobotConfig], RobotConfig]) -> "EarlyVoltages":
+    def for_stated_robot(self, stated: Callable[[RobotConfig], RobotConfig]) -> "EarlyVoltages":
         """Return the responses of a case that states other numbers of the robot, by the function that puts them in."""
-        return EarlyVoltages(partial(_of_stated, self.changes_of, stated), self.scatter)
+        return EarlyVoltages(partial(_changes_of_stated, self.changes_of, stated), self.scatter)
 
 
-def _of_stated(
+def _changes_of_stated(
     changes_of: Callable[[RobotConfig], Array], stated: Callable[[RobotConfig], RobotConfig], robot: RobotConfig
 ) -> Array:
     return changes_of(stated(robot))

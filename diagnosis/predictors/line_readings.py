@@ -116,7 +116,7 @@ class LineReadings:
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         several, which = distinct(robots, ("line_sensor",), SLOTS)
-        readings = [self._of_unit(self._expected(robot)) for robot in several]
+        readings = [self._unit_readings(self._expected(robot)) for robot in several]
         mean, sd = (np.stack([getattr(each, name) for each in readings])[which] for name in ("mean", "sd"))
         by_tolerances = np.array([each.by_tolerances for each in readings])[which]
         # The tolerances of floor and tape belong to all channels together, and their cost is that of the first one.
@@ -124,7 +124,7 @@ class LineReadings:
             Predicted(mean[..., k], sd[..., k], by_tolerances if k == 0 else None) for k in range(len(LINE_READINGS))
         )
 
-    def _of_unit(self, expected: "_Readings") -> "_Readings":
+    def _unit_readings(self, expected: "_Readings") -> "_Readings":
         """Return the readings of the unit that was measured, with its own gains and offsets on its own floor.
 
         These are known from what was measured. They are such that the residuals are those without the tolerances
@@ -132,12 +132,12 @@ class LineReadings:
         """
         mean, by_tolerances = expected.mean.copy(), 0.0
         for rows in self._runs:
-            known, numbers = self._of_run(expected, rows)
+            known, numbers = self._unit_readings_of_run(expected, rows)
             mean[rows] = np.where(np.isfinite(known), known, expected.mean[rows])
             by_tolerances += float(numbers @ numbers)
         return replace(expected, mean=mean, by_tolerances=by_tolerances)
 
-    def _of_run(self, expected: "_Readings", rows: NDArray[np.int64]) -> tuple[Array, Array]:
+    def _unit_readings_of_run(self, expected: "_Readings", rows: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return the readings of the unit in the rows of a run, NaN where none was measured, and its numbers (18,)."""
         (low, high), near = expected.limits, AT_LIMIT * self._reading_sd
         values, free, sd = self._values[rows], expected.free[rows], expected.sd[rows]

@@ -31,7 +31,7 @@ class TurningResponse:
     """Duration of a row."""
 
     @property
-    def kept(self) -> float:
+    def remaining_share(self) -> float:
         """Share of a response that is left a row later."""
         return exp(-self.period_s / self.time_constant_s)
 
@@ -47,8 +47,8 @@ class TurningResponse:
         after = np.zeros_like(weighted)
         for trial in np.unique(self.trial):
             rows = self.trial == trial
-            after[rows] = _decaying_sums(weighted[rows][::-1], self.kept)[::-1]
-        return np.where(self.is_turning, self.scale * (1.0 - self.kept) * after, 0.0)
+            after[rows] = _decaying_sums(weighted[rows][::-1], self.remaining_share)[::-1]
+        return np.where(self.is_turning, self.scale * (1.0 - self.remaining_share) * after, 0.0)
 
     def squares(self, cycles_per_turn: Array) -> Array:
         """Return the squares (F, n) of the settled responses to torques of 1 N m that vary with the angle.
@@ -57,8 +57,10 @@ class TurningResponse:
             cycles_per_turn: (F,), cycles of the torque in a turn.
         """
         phase = cycles_per_turn[:, None] * np.abs(self.turned_rad)
-        gain = self.scale * (1.0 - self.kept)
-        return np.where(self.is_turning, gain**2 / (1.0 + self.kept**2 - 2.0 * self.kept * np.cos(phase)), 0.0)
+        gain = self.scale * (1.0 - self.remaining_share)
+        return np.where(
+            self.is_turning, gain**2 / (1.0 + self.remaining_share**2 - 2.0 * self.remaining_share * np.cos(phase)), 0.0
+        )
 
 
 def _decaying_sums(values: Array, decay: float) -> Array:

@@ -79,7 +79,7 @@ class Wheels:
         is_case = isinstance(measurement.nominal, NominalDrive)
         self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
         # The motor of a case includes the inertia and friction of the whole robot, that of a robot file does not.
-        self._load = NO_LOAD if is_case else WheelLoad.of_body(RobotModel.from_config(nominal))
+        self._load = NO_LOAD if is_case else WheelLoad.from_model(RobotModel.from_config(nominal))
         self._is_coupled = not is_case
         self._counts = nominal.encoder.counts_per_revolution
         self._first, self._next = rows_after(measurement, 1)

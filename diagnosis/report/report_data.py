@@ -14,7 +14,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import moved
 from diagnosis.inference.fitting.profile import Interval, profiles
-from diagnosis.inference.gain import Gain, gain, of_quantity
+from diagnosis.inference.gain import Gain, evidence_of_quantity, gain
 from diagnosis.inference.log_score import LogScoreChange, log_score_change
 from diagnosis.inference.naming.file_numbers import cost_with_file_numbers
 from diagnosis.inference.naming.transfer import trial_groups
@@ -200,7 +200,7 @@ def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
 def _by_quantity(diagnosis: Diagnosis) -> Iterator[PartGain]:
     evidence = diagnosis.measured
     for observed, place in zip(evidence.observed, evidence.places, strict=True):
-        yield from _gain_clause(observed.name, of_quantity(evidence, place), diagnosis)
+        yield from _gain_clause(observed.name, evidence_of_quantity(evidence, place), diagnosis)
 
 
 def _by_group(diagnosis: Diagnosis) -> Iterator[PartGain]:

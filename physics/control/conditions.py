@@ -80,21 +80,21 @@ def _plain(holds: Callable[[ControlView], bool]) -> Condition:
     return Condition((), lambda view, _: holds(view))
 
 
-def _of_side(holds: Callable[[ControlView, Side], bool]) -> Condition:
+def _side_condition(holds: Callable[[ControlView, Side], bool]) -> Condition:
     return Condition(SIDES, lambda view, side: holds(view, "left" if side == "left" else "right"))
 
 
 CONDITIONS: Mapping[str, Condition] = MappingProxyType(
     {
         "on_line": _plain(ControlView.on_line),
-        "line_ended_by_wall": _of_side(ControlView.line_ended_by_wall),
-        "wall_lost": _of_side(ControlView.wall_lost),
-        "wall_back": _of_side(ControlView.wall_back),
-        "wall_goes_on_opposite": _of_side(ControlView.wall_goes_on_opposite),
-        "obstacle_ahead": _of_side(ControlView.obstacle_ahead),
-        "curve_beside": _of_side(ControlView.curve_beside),
+        "line_ended_by_wall": _side_condition(ControlView.line_ended_by_wall),
+        "wall_lost": _side_condition(ControlView.wall_lost),
+        "wall_back": _side_condition(ControlView.wall_back),
+        "wall_goes_on_opposite": _side_condition(ControlView.wall_goes_on_opposite),
+        "obstacle_ahead": _side_condition(ControlView.obstacle_ahead),
+        "curve_beside": _side_condition(ControlView.curve_beside),
         "corner_ahead": _plain(ControlView.corner_ahead),
-        "corner_turned": _of_side(ControlView.corner_turned),
+        "corner_turned": _side_condition(ControlView.corner_turned),
         "line_met_on_the_way_back": _plain(ControlView.line_met_on_the_way_back),
         "avoided": Condition(STATES, lambda view, state: view.avoided(State[state])),
     }

@@ -70,7 +70,7 @@ class Driveline:
         return cls(model, (model.motors.right, model.motors.left))
 
     @classmethod
-    def of_bench(cls, model: RobotModel) -> "Driveline":
+    def for_bench(cls, model: RobotModel) -> "Driveline":
         """Return the driveline of the right motor alone, as on a bench."""
         return cls(model, (model.motors.right,))
 
@@ -115,7 +115,7 @@ class Driveline:
     ) -> tuple[Array, Array]:
         """Return the state of a lag after `duration_s`, and the voltage at the motors."""
         held_V = self.held_V(held_V, command_V, duration_s)
-        return held_V, self.of_battery_V(held_V, time_s)
+        return held_V, self.battery_voltage_V(held_V, time_s)
 
     def held_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> Array:
         """Return the state of a lag after `duration_s`; the command if nothing lags."""
@@ -123,7 +123,7 @@ class Driveline:
             held_V = lag(held_V, command_V, duration_s)
         return held_V if self._actuator else command_V
 
-    def of_battery_V(self, voltage_V: Array, time_s: float | Array) -> Array:
+    def battery_voltage_V(self, voltage_V: Array, time_s: float | Array) -> Array:
         """Return the part of a voltage that reaches the motors from a battery that runs down."""
         return applied(self._battery, voltage_V, time_s)
 

@@ -124,7 +124,9 @@ class HeldVoltages:
         begin = begin_s + row_s * rows[:, None, None, None]
         is_cut = np.any(rest_s > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
         before_V = _held_before(driveline, new_V, old_V, durations, is_cut)
-        last_V, mean_V = (driveline.of_battery_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s))
+        last_V, mean_V = (
+            driveline.battery_voltage_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s)
+        )
         old_mean_V, new_mean_V = mean_V[:0], mean_V[:0]
         if is_cut.any():
             old_mean_V, new_mean_V, last_of_cut_V = _cut_voltages(
@@ -210,7 +212,7 @@ def _cut_voltages(
     # A mean over the end of the row in place of its last value, so that it changes smoothly with the delay.
     last_V = held_V + np.clip(1.0 - durations.after_s / LAST_S, 0.0, 1.0) * (old_last_V - held_V)
     since_s = begin_s + durations.before_s
-    supply_V = driveline.of_battery_V
+    supply_V = driveline.battery_voltage_V
     return supply_V(old_mean_V, begin_s), supply_V(mean_V, since_s), supply_V(last_V, begin_s)
 
 

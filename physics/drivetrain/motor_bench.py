@@ -39,7 +39,7 @@ class RowHistory:
     @classmethod
     def of(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "RowHistory":
         """Return that of rows (N,), each of which holds until the next one in time; unknown voltages count as 0 V."""
-        driveline = Driveline.of_bench(model)
+        driveline = Driveline.for_bench(model)
         order = np.argsort(time_s, kind="stable")
         back = np.argsort(order, kind="stable")
         trend = voltage_trend(voltage_V[order])[back][:, None]
@@ -129,7 +129,7 @@ class _SteadyBench:
         self, model: RobotModel, voltage_V: Array, time_s: Array, supply_V: Array | None, past: RowHistory | None
     ) -> None:
         require_finite(voltage_V, "voltage_V", ("trial",))
-        self._driveline = Driveline.of_bench(model)
+        self._driveline = Driveline.for_bench(model)
         if supply_V is not None:
             self._driveline.full_supply_V = supply_V[:, None]
         self._time_s = time_s[:, None]
@@ -233,7 +233,7 @@ def step_responses(
         ValueError: A voltage is not a finite number.
     """
     require_finite(voltage_V, "voltage_V", ("row", "trial"))
-    driveline = Driveline.of_bench(model)
+    driveline = Driveline.for_bench(model)
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
     if driveline.is_bare and not model.has_play:

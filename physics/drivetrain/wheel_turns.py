@@ -35,7 +35,7 @@ class WheelLoad:
     """Inertia that the acceleration of one wheel has for the other one, without a `body`."""
 
     @classmethod
-    def of_body(cls, model: RobotModel) -> "WheelLoad":
+    def from_model(cls, model: RobotModel) -> "WheelLoad":
         """Return the load of the robot's body."""
         body = BodyOnWheels.from_model(model)
         return cls(float(body.wheel_inertia_kg_m2[0, 0]), body)

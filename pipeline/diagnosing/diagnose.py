@@ -16,7 +16,7 @@ from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.case_files.case_format import BLIND, DATA
 from diagnosis.measured.case_files.nominal import NOMINAL
-from diagnosis.measured.holdout import hold_out, of_part
+from diagnosis.measured.holdout import hold_out, select_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from pipeline.diagnosing.importers import IMPORTERS
@@ -110,7 +110,7 @@ def read_case(path: Path, settings: DiagnosisSettings) -> Measurement:
         return together([read_case(each, alone) for each in (path, *settings.together)])
     measurement = read_measurement(path, IMPORTERS, settings.importer)
     if settings.part is not None:
-        measurement = of_part(measurement, settings.part)
+        measurement = select_part(measurement, settings.part)
     return hold_out(measurement, settings.held_out) if settings.held_out else measurement
 
 

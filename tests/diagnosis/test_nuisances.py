@@ -9,7 +9,7 @@ from configs.loader import load_section
 from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.measured.case_files.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import applied, creep_on_the_spot, nuisances
+from diagnosis.nuisances import creep_on_the_spot, nuisances, with_values
 from diagnosis.usual_tolerances import usual_wheels
 from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.wheel_radius_asymmetry import WheelRadiusAsymmetry
@@ -54,7 +54,7 @@ def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_valu
     robot = nominal_robot(nominal, base_robot)
     for of in all_nuisances:
         if not of.name.startswith(("range", "command")):
-            assert of.applied(robot, of.value) == robot
+            assert of.change_robot(robot, of.value) == robot
 
 
 @pytest.mark.parametrize("case", NAMES)
@@ -63,28 +63,28 @@ def test_several_in_one_step_are_the_same_as_one_after_the_other(case, base_robo
     values = [(of, of.value + number * of.tolerance) for number, of in enumerate(nuisances(nominal), 1)]
     one_by_one = robot = nominal_robot(nominal, base_robot)
     for of, value in values:
-        one_by_one = of.applied(one_by_one, value)
-    assert applied(robot, values) == one_by_one != robot
+        one_by_one = of.change_robot(one_by_one, value)
+    assert with_values(robot, values) == one_by_one != robot
 
 
 def test_they_change_motor_and_geometry_of_the_robot(base_robot):
     nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
     robot = nominal_robot(nominal, base_robot)
     by_name = {of.name: of for of in nuisances(nominal)}
-    assert by_name["coulomb_friction_N_m"].applied(robot, 0.03).motor.coulomb_friction_N_m == 0.03
-    assert by_name["wheel_radius_m"].applied(robot, 0.04).drive.wheel_diameter_m == 0.08
-    assert by_name["wheel_separation_m"].applied(robot, 0.2).drive.track_m == 0.2
-    many = by_name["wheel_separation_m"].applied(robot, np.array([0.2, 0.3]))
+    assert by_name["coulomb_friction_N_m"].change_robot(robot, 0.03).motor.coulomb_friction_N_m == 0.03
+    assert by_name["wheel_radius_m"].change_robot(robot, 0.04).drive.wheel_diameter_m == 0.08
+    assert by_name["wheel_separation_m"].change_robot(robot, 0.2).drive.track_m == 0.2
+    many = by_name["wheel_separation_m"].change_robot(robot, np.array([0.2, 0.3]))
     assert many.drive.track_m.tolist() == [0.2, 0.3]
 
 
 def test_how_a_robot_creeps_on_the_spot_is_a_number_of_a_sloping_floor_alone(base_robot):
     """Between a creep by the way of the middle of the axle, and one by the rolling of the wheels."""
     spot = creep_on_the_spot()
-    assert spot.applied(base_robot, 0.5) == base_robot
+    assert spot.change_robot(base_robot, 0.5) == base_robot
     sloping = base_robot.with_effect(FloorSlope(gradient=0.1, direction_rad=2.0, on_the_spot=0.8))
-    assert spot.applied(sloping, spot.value) == sloping
-    assert spot.applied(sloping, 0.5).effects.get(FloorSlope).on_the_spot == 0.4
+    assert spot.change_robot(sloping, spot.value) == sloping
+    assert spot.change_robot(sloping, 0.5).effects.get(FloorSlope).on_the_spot == 0.4
     assert [spot.value + spot.tolerance * bound for bound in spot.bounds] == [0.0, 1.0]
 
 
@@ -106,7 +106,7 @@ def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_sca
         nominal_robot(nominal, base_robot).with_effect(RangeOffset(offset_m=0.02)).with_effect(RangeScale(scale=1.1))
     )
     offset, scale = nuisances(nominal)
-    changed = scale.applied(offset.applied(robot, 0.001), 0.99).effects
+    changed = scale.change_robot(offset.change_robot(robot, 0.001), 0.99).effects
     assert changed.get(RangeOffset).offset_m == pytest.approx(0.021)
     assert changed.get(RangeScale).scale == pytest.approx(1.1 * 0.99)
 
@@ -120,7 +120,7 @@ def test_of_drawn_wheels_both_may_differ_and_nothing_else(base_robot):
     assert robot.motor == base_robot.motor
     found = {nuisance.name: nuisance for nuisance in nuisances(known)}
     assert set(found) == {"wheel_radius_m", "wheel_separation_m", "wheel_radius_asymmetry"}
-    uneven = found["wheel_radius_asymmetry"].applied(robot, 0.004)
+    uneven = found["wheel_radius_asymmetry"].change_robot(robot, 0.004)
     assert uneven.effects.get(WheelRadiusAsymmetry).asymmetry == 0.004
-    twice = found["wheel_radius_asymmetry"].applied(uneven, 0.001)
+    twice = found["wheel_radius_asymmetry"].change_robot(uneven, 0.001)
     assert twice.effects.get(WheelRadiusAsymmetry).asymmetry == pytest.approx(0.005)

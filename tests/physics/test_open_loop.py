@@ -44,7 +44,7 @@ def test_in_a_turn_wheels_feel_their_body_without_an_engine_as_in_it(robot):
     counts = open_loop(robot, voltage, ROW_S).counts
     engine = (counts[-1] - counts[-11]) / 10 / 3840 * 2.0 * np.pi
     model = RobotModel.from_config(robot)
-    body = WheelLoad.of_body(model)
+    body = WheelLoad.from_model(model)
     fast, slow = counted_turns(model, voltage[:, None], ROW_S, np.zeros(1), body)[-1, 0]
     assert (fast, slow) == pytest.approx(tuple(engine), abs=5e-4)
     _, without = counted_turns(model, voltage[:, None], ROW_S, np.zeros(1), NO_LOAD)[-1, 0]

@@ -93,7 +93,7 @@ def benches(count: int, seed: int) -> Iterator[str]:
     named = 0
     for number in range(count):
         case = make_case("motor_steady", 1000 * seed + number, [(HIDDEN[number % len(HIDDEN)], None)])
-        diagnosis, unseen = of_slow_rows(case)
+        diagnosis, unseen = diagnosis_of_slow_rows(case)
         if not diagnosis.named:
             continue
         named += 1
@@ -107,7 +107,7 @@ def benches(count: int, seed: int) -> Iterator[str]:
     yield from (coverage[law].line(law) for law in LAWS)
 
 
-def of_slow_rows(case: Case) -> tuple[Diagnosis, Mapping]:
+def diagnosis_of_slow_rows(case: Case) -> tuple[Diagnosis, Mapping]:
     """Return the diagnosis of the rows with low voltages, and the others as an unseen run."""
     slow = np.abs(case.columns["u_cmd_V"]) <= SEEN_V
     seen = replace(

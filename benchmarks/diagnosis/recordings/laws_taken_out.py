@@ -18,7 +18,7 @@ from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
 from diagnosis.importers import micromouse
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.holdout import of_part
+from diagnosis.measured.holdout import select_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.sentences.effects.discovered import sentences
 from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
@@ -52,7 +52,7 @@ def recordings(folder: Path) -> Iterator[tuple[str, Measurement, type[Effect]]]:
     for number in SETS:
         both = micromouse.IMPORTER.read(folder / "opatiny_micromouse" / f"wheelSpeedCalibration{number}.csv")
         for wheel in SIDES:
-            yield f"set {number}, {wheel}", of_part(both, wheel), BridgeCoast
+            yield f"set {number}, {wheel}", select_part(both, wheel), BridgeCoast
 
 
 @contextmanager

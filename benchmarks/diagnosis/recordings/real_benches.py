@@ -12,7 +12,7 @@ from diagnosis.importers import micromouse
 from diagnosis.inference.selection.plausible import beyond
 from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.channel import Channel, Label, Role
-from diagnosis.measured.holdout import of_part
+from diagnosis.measured.holdout import select_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
@@ -51,7 +51,7 @@ def motors(folder: Path) -> Iterator[BenchResult]:
     """Yield the result of each wheel in each set: fitted on three rows of four, judged on the fourth and on the
     others."""
     sets = {number: micromouse.IMPORTER.read(folder / f"wheelSpeedCalibration{number}.csv") for number in SETS}
-    parts = {f"set {number}, {wheel}": of_part(read, wheel) for number, read in sets.items() for wheel in SIDES}
+    parts = {f"set {number}, {wheel}": select_part(read, wheel) for number, read in sets.items() for wheel in SIDES}
     for name, measurement in parts.items():
         diagnosis = diagnose(measurement)
         robots = (diagnosis.nominal, diagnosis.selection.nominal.robot, diagnosis.extended)

@@ -45,11 +45,11 @@ def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict
         raise ValueError(f"a reference of {samples} samples is too noisy; at least {MIN_SAMPLES}")
     folder.mkdir(parents=True, exist_ok=True)
     job = replace(job, sampling=replace(job.sampling, paths=LIGHT_PATHS["complete"]))
-    halves = {seed: _of_seed(job, samples, seed, folder, threads) for seed in SEEDS}
+    halves = {seed: _reference_of_seed(job, samples, seed, folder, threads) for seed in SEEDS}
     return {view.number: Reference(tuple(halves[seed][view.number] for seed in SEEDS)) for view in job.frames}
 
 
-def _of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int) -> dict[int, np.ndarray]:
+def _reference_of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int) -> dict[int, np.ndarray]:
     files = {view.number: folder / _file_name(job, view.number, samples, seed) for view in job.frames}
     missing = [number for number, file in files.items() if not file.exists()]
     if missing:

@@ -51,14 +51,14 @@ def floor_patches(case: CameraCase, x: Array) -> FloorPatches:
     """Return the patches of all images that have a simulated one; the measured camera has deviations x (P,)."""
     real, nominal = CameraView(case, x), CameraView(case, np.zeros_like(x))
     parts = [
-        _of_frame(k, frame, frame.simulated, real, nominal)
+        _frame_patches(k, frame, frame.simulated, real, nominal)
         for k, frame in enumerate(case.frames)
         if frame.simulated is not None
     ]
     return FloorPatches.joined(parts)
 
 
-def _of_frame(
+def _frame_patches(
     k: int, frame: CameraFrame, simulated: ImagePixels, real: CameraView, nominal: CameraView
 ) -> FloorPatches:
     case, (width, height) = real.case, real.case.size_px

@@ -16,7 +16,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.wheels import Wheels
-from diagnosis.together import OfCase
+from diagnosis.together import CaseStage
 from symolo.core.arrays import Array
 
 NAME = "wheel_coupling"
@@ -52,7 +52,7 @@ def wheel_coupling(evidence: Evidence, nominal: RobotConfig) -> tuple[Nuisance, 
 
 def change_by_coupling(stage: Stage, nominal: RobotConfig) -> Array | None:
     """Return the change of the speeds of both wheels (2, n) by one tolerance; None if the coupling is known."""
-    if not isinstance(stage, Wheels | OfCase):
+    if not isinstance(stage, Wheels | CaseStage):
         return None
     more, less = (stage.coupling_rad_s(nominal, sign * STEP * TOLERANCE) for sign in (1.0, -1.0))
     return None if more is None or less is None else change_by_tolerance(more, less)

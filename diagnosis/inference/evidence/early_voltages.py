@@ -148,13 +148,13 @@ def _scatter(evidence: Evidence, fit: HypothesisFit) -> tuple[float, float]:
     residual = fit.z * fit.sd
     responses = (observed.early.scatter if observed.early else 0.0 * observed.sd for observed in bare.observed)
     sizes = np.concatenate(list(responses))
-    has_own_level = np.zeros(len(bare.observed), dtype=bool)
+    is_level_fixed = np.zeros(len(bare.observed), dtype=bool)
     costs: list[float] = []
     mean = mean_share(fit)
     # Of all parts between 0 and 1 with this mean, those that are either 0 or 1 scatter most.
     for share in [each for each in SHARES if each <= np.sqrt(mean * (1.0 - mean))]:
         sd = np.hypot(bare.sd, share * sizes)
-        noise = fitted_noise(bare, residual / sd, sd, fit.noise, has_own_level)
+        noise = fitted_noise(bare, residual / sd, sd, fit.noise, is_level_fixed)
         level: Array = noise.levels[bare.quantity]
         each = costs_of_residuals(bare, residual / (sd * level), sd * level, noise)
         costs.append(float(each[bare.fit].sum()) + noise.prior_cost)

@@ -113,7 +113,7 @@ class Evidence:
         return tuple(slice(end - count, end) for count, end in zip(self.counts, ends, strict=True))
 
     @cached_property
-    def of_stage(self) -> NDArray[np.int64]:
+    def stage_index(self) -> NDArray[np.int64]:
         """(N,), index of the stage of a sample."""
         counts = [sum(len(observed.values) for observed in stage.observed) for stage in self.stages]
         return np.repeat(np.arange(len(self.stages)), counts)

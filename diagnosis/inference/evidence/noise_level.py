@@ -77,7 +77,7 @@ def with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
             noise = _estimated(quantity, rows, z)
         else:
             residuals = quantity.count_noise.stated * evidence.unwhitened(k, z)
-            noise = of_torque(quantity.count_noise, residuals, rows, quantity.trial)
+            noise = torque_noise(quantity.count_noise, residuals, rows, quantity.trial)
         before = evidence.noises.get(quantity.name, EstimatedNoise(1.0, 0.0))
         noises[quantity.name] = replace(
             before,
@@ -165,7 +165,7 @@ def _estimated(quantity: Observed, rows: Mask, z: Array) -> EstimatedNoise:
     return EstimatedNoise(max(float(level), 1e-9), 0.0)
 
 
-def of_torque(noise: CountNoise, residuals: Array, rows: Mask, trial: NDArray[np.int64]) -> EstimatedNoise:
+def torque_noise(noise: CountNoise, residuals: Array, rows: Mask, trial: NDArray[np.int64]) -> EstimatedNoise:
     """Return the level of the random torque with the largest likelihood, and the correlation that is left with it.
 
     Args:

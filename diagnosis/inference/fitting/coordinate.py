@@ -44,7 +44,7 @@ class Coordinate:
     """Further sizes to try, relative to the distance of the start from the null value."""
 
     @classmethod
-    def of_parameter(cls, name: str, parameter: Parameter, scale: float = 1.0) -> "Coordinate":
+    def from_parameter(cls, name: str, parameter: Parameter, scale: float = 1.0) -> "Coordinate":
         """Return the coordinate of an effect's parameter, whose start is multiplied by `scale`."""
         if parameter.is_angle or parameter.is_frequency:
             return cls(
@@ -85,7 +85,9 @@ class Coordinate:
         )
 
     @classmethod
-    def of_spread(cls, name: str, tolerance: float, bounds: tuple[float, float] = (-np.inf, np.inf)) -> "Coordinate":
+    def from_tolerance(
+        cls, name: str, tolerance: float, bounds: tuple[float, float] = (-np.inf, np.inf)
+    ) -> "Coordinate":
         """Return the coordinate of a nominal parameter: its deviation in standard deviations of its tolerance.
 
         Args:

@@ -29,9 +29,9 @@ from diagnosis.inference.fitting.likelihood import (
 )
 from diagnosis.inference.fitting.noise_effects import (
     costs_with_fitted_noise,
+    fixed_levels,
     has_noise_effect,
     information_of_levels,
-    with_own_level,
 )
 from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
@@ -168,7 +168,7 @@ class _State:
     x: Array
     noise: NoiseFit | None = None
     """Noise of the last fit, or that which is known; None before the first one."""
-    has_own_level: Mask | None = None
+    is_level_fixed: Mask | None = None
     """(Q,), quantities whose noise an effect scales as a whole; None where no effect of the noise is fitted with it."""
     cost: float = np.inf
     fit: HypothesisFit | None = None
@@ -280,10 +280,10 @@ def _take_best(state: _State, tried: Array, prediction: Prediction) -> tuple[int
         return -1, 0.0
     evidence = state.contest.evidence
     prior, noise = state.hypothesis.prior(tried), state.noise or stated_noise(evidence)
-    if state.has_own_level is None:
+    if state.is_level_fixed is None:
         costs = cost(evidence, prediction, prior, evidence.fit, noise)
     else:
-        costs = costs_with_fitted_noise(evidence, prediction, prior, noise, state.has_own_level)
+        costs = costs_with_fitted_noise(evidence, prediction, prior, noise, state.is_level_fixed)
     best = int(np.argmin(costs))
     fall = state.cost - float(costs[best])
     if fall > 0.0:
@@ -325,9 +325,9 @@ def _fit(state: _State, prediction: Prediction) -> None:
     if state.noise is not None and state.contest.noises is not None:
         noise = state.noise
     else:
-        has_own_level = with_own_level(evidence, hypothesis, spreads)
-        noise = fitted_noise(evidence, z, sd, state.noise or start, has_own_level)
-        state.has_own_level = has_own_level if has_noise_effect(hypothesis) else None
+        is_level_fixed = fixed_levels(evidence, hypothesis, spreads)
+        noise = fitted_noise(evidence, z, sd, state.noise or start, is_level_fixed)
+        state.is_level_fixed = is_level_fixed if has_noise_effect(hypothesis) else None
     level = noise.levels[evidence.quantity]
     z, sd = z / level, sd * level
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (sd * offsets)

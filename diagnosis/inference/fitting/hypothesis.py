@@ -19,7 +19,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.motor_scales import UNSCALED, MotorScales, motor_scales
 from diagnosis.measured.channel import Mask
-from diagnosis.nuisances import Nuisance, applied
+from diagnosis.nuisances import Nuisance, with_values
 from symolo.core.arrays import Array
 
 POSITIVE_TOLERANCES = 3.0
@@ -62,7 +62,7 @@ class CandidateEffect:
         numbers = self.kind.parameters().items()
         return tuple(
             # A measured number is that of this motor already.
-            Coordinate.of_parameter(name, number, self.scales.of(number) if number.std is None else 1.0)
+            Coordinate.from_parameter(name, number, self.scales.of(number) if number.std is None else 1.0)
             for name, number in numbers
             if name not in self.known
         )
@@ -113,7 +113,7 @@ class Hypothesis:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The P coordinates, nuisances first."""
-        nuisances = (Coordinate.of_spread(n.name, n.tolerance, n.bounds) for n in self.nuisances)
+        nuisances = (Coordinate.from_tolerance(n.name, n.tolerance, n.bounds) for n in self.nuisances)
         coordinates = [*nuisances, *(c for effect in self.effects for c in effect.coordinates)]
         for place, x in self.fixed:
             coordinates[place] = replace(coordinates[place], low=x, high=x)
@@ -159,7 +159,7 @@ class Hypothesis:
         for effect in self.effects:
             robot = effect.on(robot, self.values(effect, x))
         deviations = zip(self.nuisances, x.tolist(), strict=False)
-        return applied(robot, ((nuisance, deviated(nuisance, deviation)) for nuisance, deviation in deviations))
+        return with_values(robot, ((nuisance, deviated(nuisance, deviation)) for nuisance, deviation in deviations))
 
     def local_change(self, x: Array) -> Array | float:
         """Return the change (..., N) of the samples by all that is no property of the robot, at coordinates (..., P).

@@ -123,7 +123,7 @@ def cost(evidence: Evidence, prediction: Prediction, prior: Array, rows: Mask, n
     return costs + (prior**2).sum(axis=1) + noise.prior_cost
 
 
-def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_own_level: Mask) -> NoiseFit:
+def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, is_level_fixed: Mask) -> NoiseFit:
     """Return the levels and shares of the smallest cost over the rows of the fit.
 
     Args:
@@ -131,7 +131,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_o
         z: (N,), residuals in sigmas of the predicted noise.
         sd: (N,), standard deviation of the predicted noise.
         start: Levels and shares at which the search begins.
-        has_own_level: (Q,), quantities whose level stays 1, because an effect of the hypothesis has its place.
+        is_level_fixed: (Q,), quantities whose level stays 1, because an effect of the hypothesis has its place.
     """
     rows = np.flatnonzero(evidence.fit)
     quantity, count = evidence.quantity[rows], len(evidence.observed)
@@ -140,7 +140,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_o
     outlier = _PEAK / (1.0 + square * (ratio / WIDTH) ** 2)
     total = _sums(quantity, weight, count)
     lowest = np.array([LEVELS[0] if observed.noise_is_stated else 1.0 for observed in evidence.observed])
-    level, share = np.where(has_own_level, 1.0, start.levels), start.shares
+    level, share = np.where(is_level_fixed, 1.0, start.levels), start.shares
     for _ in range(MAX_ROUNDS):
         inverse = 1.0 / level[quantity]
         good = (1.0 - share[quantity]) * inverse / ratio * np.exp(-0.5 * square * inverse**2)
@@ -148,7 +148,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, has_o
         readings = _sums(quantity, is_good, count)
         squares = _sums(quantity, is_good * square, count)
         new_share = _share(total - readings, readings)
-        new_level = np.where(has_own_level, 1.0, np.maximum(_level(readings, squares, level), lowest))
+        new_level = np.where(is_level_fixed, 1.0, np.maximum(_level(readings, squares, level), lowest))
         change = max(np.abs(new_share - share).max(initial=0.0), np.abs(np.log(new_level / level)).max(initial=0.0))
         level, share = new_level, new_share
         if change < SETTLED:

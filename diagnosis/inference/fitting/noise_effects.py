@@ -25,7 +25,7 @@ def has_noise_effect(hypothesis: Hypothesis) -> bool:
 
 
 def costs_with_fitted_noise(
-    evidence: Evidence, prediction: Prediction, prior: Array, start: NoiseFit, has_own_level: Mask
+    evidence: Evidence, prediction: Prediction, prior: Array, start: NoiseFit, is_level_fixed: Mask
 ) -> Array:
     """Return the costs (M,) over the rows of the fit, each with the noise that is fitted to its prediction.
 
@@ -34,14 +34,14 @@ def costs_with_fitted_noise(
         prediction: Of M robots.
         prior: (M, Q), deviations of the nuisances in standard deviations.
         start: Noise at which the search begins.
-        has_own_level: (Q,), quantities whose level stays 1, because an effect has its place.
+        is_level_fixed: (Q,), quantities whose level stays 1, because an effect has its place.
     """
     z = residuals(evidence, prediction, stated_noise(evidence))
     lost = np.isinf(z)
     z, sd = np.where(lost, 0.0, z), np.where(lost, evidence.sd, prediction.sd)
     costs = np.empty(len(z))
     for k in range(len(z)):
-        noise = fitted_noise(evidence, z[k], sd[k], start, has_own_level)
+        noise = fitted_noise(evidence, z[k], sd[k], start, is_level_fixed)
         costs[k] = cost(evidence, prediction.some(slice(k, k + 1)), prior[k : k + 1], evidence.fit, noise)[0]
     return costs
 
@@ -52,23 +52,23 @@ def information_of_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: A
     It is the Schur complement of the levels in the joint information. `is_good` are the weights of the rows of the fit.
     """
     lost = np.zeros((len(spreads), len(spreads)))
-    has_own_level = with_own_level(evidence, hypothesis, spreads)
+    is_level_fixed = fixed_levels(evidence, hypothesis, spreads)
     quantity = evidence.quantity[evidence.fit]
-    for k in np.flatnonzero(~has_own_level).tolist():
+    for k in np.flatnonzero(~is_level_fixed).tolist():
         quantity_weights = np.where(quantity == k, is_good, 0.0)
         shared = 2.0 * spreads[:, evidence.fit] @ quantity_weights
         lost += np.outer(shared, shared) / (2.0 * quantity_weights.sum() + LEVEL_SD**-2)
     return lost
 
 
-def with_own_level(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
+def fixed_levels(evidence: Evidence, hypothesis: Hypothesis, spreads: Array) -> Mask:
     """Return the quantities (Q,) whose noise an effect scales as a whole, so that it has the place of the level."""
-    has_own_level = np.zeros(len(evidence.observed), dtype=bool)
+    is_level_fixed = np.zeros(len(evidence.observed), dtype=bool)
     for effect in hypothesis.effects:
         if effect.kind.slot is not Slot.RANGE_NOISE:
             continue
         change = np.abs(spreads[hypothesis.parameters(effect)]).sum(axis=0)
         for k, place in enumerate(evidence.places):
             inside = change[place][evidence.fit[place]]
-            has_own_level[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
-    return has_own_level
+            is_level_fixed[k] |= bool(len(inside) and inside.min() > EVEN * inside.max())
+    return is_level_fixed

@@ -12,7 +12,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.likelihood import cost
-from diagnosis.inference.fitting.noise_effects import costs_with_fitted_noise, has_noise_effect, with_own_level
+from diagnosis.inference.fitting.noise_effects import costs_with_fitted_noise, fixed_levels, has_noise_effect
 from diagnosis.inference.fitting.profile import profiles
 from symolo.core.arrays import Array
 
@@ -48,8 +48,8 @@ def _is_flat(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) ->
     prediction = evidence.predicted(hypothesis.robots(x)).moved(evidence.whitened(hypothesis.local_change(x)))
     prior = hypothesis.prior(x)
     if has_noise_effect(hypothesis):
-        has_own_level = with_own_level(evidence, hypothesis, fit.spreads)
-        costs = costs_with_fitted_noise(evidence, prediction, prior, fit.noise, has_own_level)
+        is_level_fixed = fixed_levels(evidence, hypothesis, fit.spreads)
+        costs = costs_with_fitted_noise(evidence, prediction, prior, fit.noise, is_level_fixed)
     else:
         costs = cost(evidence, prediction, prior, evidence.fit, fit.noise)
     return bool(np.any(costs - fit.cost < FLAT * rises))

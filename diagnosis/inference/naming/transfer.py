@@ -61,7 +61,7 @@ def groups(evidence: Evidence, trial_names: Sequence[str]) -> tuple[Group, ...]:
         evidence: The observations.
         trial_names: Names of the trials.
     """
-    groups = [*trial_groups(evidence, trial_names, evidence.fit), *_of_ranges(evidence)]
+    groups = [*trial_groups(evidence, trial_names, evidence.fit), *_covariate_range_groups(evidence)]
     fitted = int(np.count_nonzero(evidence.fit))
     return tuple(group for group in groups if MIN_SAMPLES <= np.count_nonzero(group.rows) <= fitted - MIN_SAMPLES)
 
@@ -140,7 +140,7 @@ def _trials_text(numbers: NDArray[np.int64]) -> str:
     return f"trial {first}" if first == last else f"trials {first} to {last}"
 
 
-def _of_ranges(evidence: Evidence) -> Iterator[Group]:
+def _covariate_range_groups(evidence: Evidence) -> Iterator[Group]:
     """Yield the samples with the smallest and with the largest sizes of each main covariate."""
     for name in MAIN_COVARIATES:
         size = np.full(len(evidence.values), np.nan)

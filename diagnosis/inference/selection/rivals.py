@@ -132,8 +132,8 @@ def compare_rivals(
     beside = pairs or _pairs_of_rivals(evidence, fit, rivals, effects)
     others = [
         (FORM, -advantage(evidence, base, fit)),
-        *_of_pairs(evidence, fit, beside),
-        *_of_statement(evidence, fit, effect),
+        *_best_pair(evidence, fit, beside),
+        *_rise_by_statement(evidence, fit, effect),
     ]
     # A noise at the end of its range is more than a wrong statement, so that something else is behind it.
     is_whole = is_whole and float(fit.noise.levels.max()) < LEVELS[1]
@@ -201,7 +201,7 @@ def _pairs_of_rivals(
     return [pair for rival in near[:RIVALS_IN_PAIRS] for pair in extended(evidence, rival.fit, others)]
 
 
-def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
+def _best_pair(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[HypothesisFit]) -> list[tuple[str, float]]:
     """Return the best two effects in place of a single one or of both, and the rise of the cost; empty if none.
 
     Two effects that share one with the fit are among the rivals of the other one.
@@ -224,7 +224,7 @@ def _of_pairs(evidence: Evidence, fit: HypothesisFit, pairs: Sequence[Hypothesis
     return [(f"{names} together", rise + SECOND) if len(kinds) == 1 else (f"{names} in place of both", rise)]
 
 
-def _of_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[str, float]]:
+def _rise_by_statement(evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect) -> list[tuple[str, float]]:
     """Return the rise of the cost if the stated noise is wrong by the largest factor that needs no effect."""
     if effect.kind is not NoiseScale:
         return []

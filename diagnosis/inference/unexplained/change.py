@@ -19,7 +19,7 @@ from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.refusal import is_of_noise
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy, change_by
-from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
+from diagnosis.inference.unexplained.equivalent_errors import is_error_of_own_effect
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed
@@ -71,7 +71,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     if best is None or best[0] >= named + PARAMETER_PENALTY * numbers:
         return None
     squares, moment, columns = best
-    if is_same_as_own(nominal, fit, columns):
+    if is_error_of_own_effect(nominal, fit, columns):
         return None
     if _leaves_structure(evidence, nominal, columns):
         return None
@@ -101,7 +101,7 @@ def _leaves_structure(evidence: Evidence, nominal: HypothesisFit, columns: Array
     and outliers in successive rows favour neither a jump nor the effects.
     """
     rows = np.abs(columns[evidence.fit]).sum(axis=1) > 0.0
-    changed = set(evidence.of_stage[evidence.fit][rows].tolist())
+    changed = set(evidence.stage_index[evidence.fit][rows].tolist())
     stages = [number for number, stage in enumerate(evidence.stages) for _ in stage.observed]
     names = {observed.name for observed, stage in zip(evidence.observed, stages, strict=True) if stage in changed}
     left = adequacy(evidence, nominal, columns).structures

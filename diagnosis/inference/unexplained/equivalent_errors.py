@@ -16,7 +16,7 @@ SAME = 0.9
 """Share of the change by the effects, as a length, that an error can describe by another size, if it is the same."""
 
 
-def is_same_as_own(base: HypothesisFit, fit: HypothesisFit, columns: Array) -> bool:
+def is_error_of_own_effect(base: HypothesisFit, fit: HypothesisFit, columns: Array) -> bool:
     """Return whether an error is nearly the change that effects of the user's own make.
 
     Args:

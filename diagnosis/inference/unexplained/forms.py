@@ -92,7 +92,7 @@ def forms(quantity: Observed, predicted: Array, rows: Mask) -> Iterator[Form]:
     for _, category in covariates:
         if category.shape is CovariateShape.CATEGORY:
             for rank, covariate in conditions:
-                candidates = _of_categories(category, rank, covariate, rows)
+                candidates = _category_forms(category, rank, covariate, rows)
                 yield from (form for form in candidates if _changes_enough(form, rows))
 
 
@@ -140,7 +140,7 @@ def _along(rank: int, covariate: Covariate, sides: dict[str, Array | float], row
                     yield bump.moved(middle, width)
 
 
-def _of_categories(category: Covariate, rank: int, covariate: Covariate, rows: Mask) -> Iterator[Form]:
+def _category_forms(category: Covariate, rank: int, covariate: Covariate, rows: Mask) -> Iterator[Form]:
     """Yield functions of a covariate that act in the rows of one category only, such as one material."""
     names = np.unique(category.values[rows & np.isfinite(category.values)])
     for name in names.tolist() if len(names) > 1 else ():

@@ -45,7 +45,7 @@ def retained_effects(
     root = fit.root_weights()
     staying = list(changes)
     for stage, structure in _worst_by_stage(evidence, result).items():
-        rows = evidence.of_stage == stage
+        rows = evidence.stage_index == stage
         squares = {effect: ((root * change) ** 2) for effect, change in changes.items()}
         contested = {
             effect: changes[effect]

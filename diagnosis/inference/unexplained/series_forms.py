@@ -41,7 +41,7 @@ def _input_errors(evidence: Evidence, fit: HypothesisFit, quantities: range) -> 
         for k, error in zip(quantities, errors, strict=True):
             change[evidence.places[k]] = error.response
         first, column = errors[0], evidence.whitened(change) / fit.sd
-        yield _of_stage(evidence, quantities, first.covariate, first.what, column, first.chosen)
+        yield _stage_form(evidence, quantities, first.covariate, first.what, column, first.chosen)
 
 
 def _drifting_numbers(evidence: Evidence, fit: HypothesisFit, quantities: range) -> Iterator[tuple[int, Form, Array]]:
@@ -57,10 +57,10 @@ def _drifting_numbers(evidence: Evidence, fit: HypothesisFit, quantities: range)
     for nuisance, slope in ((nuisance, slope) for nuisance, slope in numbers if nuisance.change is None):
         for right_at in (float(inside.min()), float(inside.mean())):
             column = np.where(is_of_stage, slope * (session_s - right_at), 0.0)
-            yield _of_stage(evidence, quantities, SESSION_TIME, f"{nuisance.name} that drifts", column)
+            yield _stage_form(evidence, quantities, SESSION_TIME, f"{nuisance.name} that drifts", column)
 
 
-def _of_stage(  # noqa: PLR0917 - a form, and the quantities that it changes
+def _stage_form(  # noqa: PLR0917 - a form, and the quantities that it changes
     evidence: Evidence, quantities: range, covariate: str, what: str, column: Array, chosen: int = 0
 ) -> tuple[int, Form, Array]:
     """Return a form of the quantity that it changes most."""

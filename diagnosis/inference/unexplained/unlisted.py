@@ -20,12 +20,12 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.memoized import memoized
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
-from diagnosis.inference.fitting.noise_effects import with_own_level
+from diagnosis.inference.fitting.noise_effects import fixed_levels
 from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
-from diagnosis.inference.unexplained.equivalent_errors import is_same_as_own
+from diagnosis.inference.unexplained.equivalent_errors import is_error_of_own_effect
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.series_forms import series_forms
 from diagnosis.measured.channel import Mask
@@ -116,7 +116,7 @@ def advantage(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> fl
     parameter. A form that is the same error as effects of the user's own is no rival of them.
     """
     form = best_form(evidence, base)
-    if form is None or is_same_as_own(base, fit, form.column[:, None]):
+    if form is None or is_error_of_own_effect(base, fit, form.column[:, None]):
         return -np.inf
     heldout = _heldout(evidence, form.quantity)
     numbers = len(fit.x) - len(base.x)
@@ -239,7 +239,7 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
     """Return a form with its size, beside the coordinates of a fit and the noise, all of them fitted again."""
     rows, nuisances = evidence.fit, len(fit.hypothesis.nuisances)
     design = np.concatenate([column[None], fit.slopes])
-    has_own_level = with_own_level(evidence, fit.hypothesis, fit.spreads)
+    is_level_fixed = fixed_levels(evidence, fit.hypothesis, fit.spreads)
     has_prior = (np.arange(len(design)) >= 1) & (np.arange(len(design)) <= nuisances)
     prior = np.zeros(len(design))
     prior[has_prior] = fit.hypothesis.prior(fit.x)
@@ -250,7 +250,7 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
         normal = (design * weight) @ design.T + np.diag(has_prior.astype(float))
         step = np.linalg.lstsq(normal, (design * weight) @ fit.z - prior, rcond=1e-12)[0]
         z = (fit.z - step @ design) * level
-        noise = fitted_noise(evidence, z, sd, noise, has_own_level)
+        noise = fitted_noise(evidence, z, sd, noise, is_level_fixed)
         fitted_level = noise.levels[evidence.quantity]
         costs = costs_of_residuals(evidence, z / fitted_level, sd * fitted_level, noise)
         cost = float(costs[rows].sum() + ((prior + step)[has_prior] ** 2).sum()) + fit.by_tolerances + noise.prior_cost

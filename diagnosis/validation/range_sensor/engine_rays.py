@@ -23,7 +23,7 @@ Place = tuple[float, float]
 
 def engine_rays(robot: RobotConfig, seed: int) -> ExperimentResult:
     """Return noiseless readings of boards at several angles, and across the step, with both kinds of rays."""
-    noiseless = SensorOnStand.of_robot(robot, seed).without_noise()
+    noiseless = SensorOnStand.from_robot(robot, seed).without_noise()
     plane: list[tuple[Arena, list[Place]]] = []
     edge: list[tuple[Arena, list[Place]]] = []
     for distance_mm in DISTANCES_MM:

@@ -54,7 +54,7 @@ def require_sight(robot: RobotConfig) -> None:
     """
     if robot.tof.dropout_probability == 1.0:
         raise InputError("robot.tof.dropout_probability", got=1.0, allowed="below 1 for a sensor in an experiment")
-    noiseless = SensorOnStand.of_robot(robot, seed=0).without_noise()
+    noiseless = SensorOnStand.from_robot(robot, seed=0).without_noise()
     for surface in (*TABLE_3, *TABLE_4):
         _see(noiseless, 100.0, surface, 0.0)
     for distance_mm in DISTANCES_MM:

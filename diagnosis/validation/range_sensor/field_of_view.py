@@ -17,7 +17,7 @@ TOLERANCE = 0.05
 
 def field_of_view(robot: RobotConfig, seed: int) -> ExperimentResult:
     """Return the diameter of the spot on a board at each of the paper's distances."""
-    mounted = SensorOnStand.of_robot(robot, seed)
+    mounted = SensorOnStand.from_robot(robot, seed)
     tables = {f"{distance_mm:g} mm": spot(mounted, distance_mm) for distance_mm in FIELD_OF_VIEW_MM}
     ours, paper = (np.array([table[name] for table in tables.values()]) for name in ("diameter_mm", "paper_mm"))
     checks = [

@@ -58,7 +58,7 @@ class SensorOnStand:
     seed: int
 
     @classmethod
-    def of_robot(cls, robot: RobotConfig, seed: int) -> "SensorOnStand":
+    def from_robot(cls, robot: RobotConfig, seed: int) -> "SensorOnStand":
         return cls(robot.tof, robot.effects, seed)
 
     def facing(self, arena: Arena, *path: str | float, pitch_up_deg: float = 0.0) -> "StandScene":

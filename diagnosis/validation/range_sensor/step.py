@@ -23,7 +23,7 @@ EVEN_DISC = 0.687
 
 def step(robot: RobotConfig, seed: int) -> ExperimentResult:
     """Return scans across the edge of the box at each of the paper's distances, with and without noise."""
-    mounted = SensorOnStand.of_robot(robot, seed)
+    mounted = SensorOnStand.from_robot(robot, seed)
     scans = {f"{distance_mm:g} mm": scan(mounted, distance_mm) for distance_mm in DISTANCES_MM}
     far, far_mm = list(scans.values())[-1], DISTANCES_MM[-1]
     equation_mm = 1e3 * float(log_error_m(np.array([1e-3 * far_mm]))[0])

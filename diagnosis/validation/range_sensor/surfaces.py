@@ -30,7 +30,7 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
 
     `counts` are the numbers of readings of each surface at 100 mm and at every other distance.
     """
-    mounted = SensorOnStand.of_robot(robot, seed)
+    mounted = SensorOnStand.from_robot(robot, seed)
     result = _surfaces(mounted, "tones", TABLE_3, grid(0.0, 1200.0, 10.0), counts)
     distance, scale = EQUATION_MM, robot.tof.error_scale
     bias_mm = 1e3 * log_error_m(1e-3 * distance)
@@ -51,7 +51,7 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
 
 def materials(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentResult:
     """Return experiment 2, from 61 to 900 mm as in the paper; `counts` as for `tones`."""
-    return _surfaces(SensorOnStand.of_robot(robot, seed), "materials", TABLE_4, grid(61.0, 900.0, 41.95), counts)
+    return _surfaces(SensorOnStand.from_robot(robot, seed), "materials", TABLE_4, grid(61.0, 900.0, 41.95), counts)
 
 
 def _surfaces(

@@ -32,7 +32,7 @@ AXES: tuple[Axis, ...] = ("sideways", "up_and_down")
 
 def tilt(robot: RobotConfig, seed: int, readings: int) -> ExperimentResult:
     """Return means of readings against the angle, about both axes and at each of the paper's distances."""
-    mounted = SensorOnStand.of_robot(robot, seed)
+    mounted = SensorOnStand.from_robot(robot, seed)
     curves = {f"{axis} at {d:g} mm": curve(mounted, axis, d, readings) for axis in AXES for d in DISTANCES_MM}
     note = (
         "the up-and-down curves of the paper lean to one side (no figure); the model has emitter and receiver at one "

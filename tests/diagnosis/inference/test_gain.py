@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.gain import Gain, gain, gain_of, gain_of_sizes, of_quantity, row_blocks, trimmed_rms
+from diagnosis.inference.gain import Gain, evidence_of_quantity, gain, gain_of, gain_of_sizes, row_blocks, trimmed_rms
 
 SD_A = 0.01
 X = np.linspace(0.5, 1.0, 100)
@@ -168,8 +168,8 @@ def test_with_fewer_than_5_blocks_single_rows_are_drawn(evidence_of, heldout, bl
 def test_the_rows_of_one_quantity_are_held_out_at_its_place(evidence_of):
     one = evidence_of(X, X, heldout=40)
     both = Evidence((*one.stages, *evidence_of(X, X, heldout=10).stages))
-    assert np.flatnonzero(of_quantity(both, both.places[1]).heldout).tolist() == list(range(190, 200))
-    assert np.array_equal(of_quantity(both, both.places[1]).fit, both.fit)
+    assert np.flatnonzero(evidence_of_quantity(both, both.places[1]).heldout).tolist() == list(range(190, 200))
+    assert np.array_equal(evidence_of_quantity(both, both.places[1]).fit, both.fit)
 
 
 def test_a_gain_cannot_be_changed(changeable):

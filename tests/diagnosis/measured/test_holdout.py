@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.holdout import hold_out, of_part
+from diagnosis.measured.holdout import hold_out, select_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.errors import InputError
 from symolo.core.tables.time_series import TimeSeries
@@ -49,10 +49,10 @@ def test_something_is_left_to_fit(drives):
 
 
 def test_one_part_of_the_robot_alone(drives):
-    measurement = of_part(drives, "left wheel")
+    measurement = select_part(drives, "left wheel")
     assert ([trial.name for trial in measurement.trials], measurement.name) == (
         ["square/1", "circular/1"],
         "drives-left-wheel",
     )
     with pytest.raises(InputError, match=r"got 'left weel', allowed: left wheel, right wheel; did you mean left wheel"):
-        of_part(drives, "left weel")
+        select_part(drives, "left weel")

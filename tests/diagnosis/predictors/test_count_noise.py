@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.evidence.noise_level import of_torque
+from diagnosis.inference.evidence.noise_level import torque_noise
 from diagnosis.predictors.count_noise import CountNoise, continued
 
 ROW_S = 0.05
@@ -101,7 +101,7 @@ def test_the_random_torque_of_a_log_is_found(torque):
     counts = np.floor(np.append(0.0, np.cumsum(speeds * ROW_S)) / step)
     residual = np.diff(counts) * step / ROW_S - speeds.mean()
     noise = noise_of(rows, 1.0, 1.0)
-    found = of_torque(noise, residual, np.ones(rows, dtype=bool), np.zeros(rows, dtype=int))
+    found = torque_noise(noise, residual, np.ones(rows, dtype=bool), np.zeros(rows, dtype=int))
     assert found.torque == pytest.approx(torque, rel=0.1)
     assert found.correlation < 0.05
 

@@ -14,7 +14,7 @@ from configs.posterior.schema import FILE
 from diagnosis.inference.fitting.fit import HypothesisFit, at
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.fitting.likelihood import stated_noise
-from diagnosis.nuisances import Nuisance, of_section
+from diagnosis.nuisances import Nuisance, section_nuisance
 from diagnosis.posterior.posterior import posterior, posterior_text
 from diagnosis.posterior.robot_numbers import robot_numbers
 from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
@@ -121,13 +121,13 @@ def test_two_coordinates_of_one_number_add_their_variances_and_a_factor_does_not
     effect = CandidateEffect(EFFECTS.by_name()["wheel_radius_asymmetry"])
     (coordinate,) = effect.coordinates
 
-    def applied(robot, value):
+    def changed(robot, value):
         present = robot.effects.get(effect.kind)
         return robot.with_effect(effect.kind.model_construct(asymmetry=(present.asymmetry if present else 0.0) + value))
 
     nuisances = (
-        of_section("drive", "wheel_diameter_m", "wheel_radius_m", 0.03, 0.0003, factor=2.0),
-        Nuisance("wheel_radius_asymmetry", 0.0, 0.003, "1", applied),
+        section_nuisance("drive", "wheel_diameter_m", "wheel_radius_m", 0.03, 0.0003, factor=2.0),
+        Nuisance("wheel_radius_asymmetry", 0.0, 0.003, "1", changed),
     )
     x = [0.5, 1.0, 0.02 / coordinate.unit]
     fit = _fit(diagnosis_of("plain"), nuisances, (effect,), x, np.diag([1.0, 1.0, (coordinate.unit / 0.004) ** 2]))

@@ -45,7 +45,7 @@ def robot():
 
 @pytest.fixture(scope="module")
 def mounted(robot):
-    return SensorOnStand.of_robot(robot, seed=1)
+    return SensorOnStand.from_robot(robot, seed=1)
 
 
 def rng(seed):
@@ -99,7 +99,7 @@ def test_a_row_of_table_3_holds_within_half_a_millimetre_and_15_percent():
 
 
 def test_a_lost_update_is_no_reading_without_a_target():
-    losing = SensorOnStand.of_robot(robot_with("dropout_probability=0.5"), seed=1)
+    losing = SensorOnStand.from_robot(robot_with("dropout_probability=0.5"), seed=1)
     without = surfaces.over_distance(losing, "test", "white_board", np.array([100.0, 2000.0]), 90)["without_target"]
     # Beyond the range nothing is seen, but for the half of the updates that are lost and repeat the one before.
     assert without[0] == 0.0
@@ -121,7 +121,7 @@ def test_a_sensor_that_does_not_see_the_boards_is_refused(robot, setting, what):
 
 
 def test_a_sensor_without_noise_has_figures_all_the_same():
-    silent = SensorOnStand.of_robot(robot_with("noise_scale=0"), seed=1)
+    silent = SensorOnStand.from_robot(robot_with("noise_scale=0"), seed=1)
     curve = tilt.curve(silent, "sideways", 100.0, 3)
     assert math.isfinite(curve["largest_asymmetry_standard_errors"])
     assert set(curve["sd_mm"].tolist()) == {0.0}

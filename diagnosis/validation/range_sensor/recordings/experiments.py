@@ -42,7 +42,7 @@ def _scan_experiment(path: Path) -> Experiment:
 
     def run(robot: RobotConfig, seed: int) -> ExperimentResult:
         """Return the results for edge and moves as one; the scan may lack either."""
-        mounted = SensorOnStand.of_robot(robot, seed)
+        mounted = SensorOnStand.from_robot(robot, seed)
         results = [result for result in (ball_edge(mounted, scan), after_move(scan, mounted)) if result is not None]
         points, count = scan.reading_mm.shape
         tables = {"scan": {"points": points, "readings_per_point": count}}
@@ -60,6 +60,6 @@ def _static_experiment(path: Path) -> Experiment:
     recording = read_rest_recording(path)
 
     def run(robot: RobotConfig, seed: int) -> ExperimentResult:
-        return at_rest(SensorOnStand.of_robot(robot, seed), path.name, recording)
+        return at_rest(SensorOnStand.from_robot(robot, seed), path.name, recording)
 
     return Experiment(path.name, "Noise and drift of a sensor at rest.", run)

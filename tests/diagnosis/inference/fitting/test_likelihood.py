@@ -85,9 +85,9 @@ def test_good_readings_are_good_and_wild_ones_are_outliers():
     assert (is_good[3:] < 0.01).all()
 
 
-def noise_of(errors, *, has_own_level=False):
+def noise_of(errors, *, is_level_fixed=False):
     evidence = evidence_of(len(errors))
-    return fitted_noise(evidence, errors, np.ones(len(errors)), stated_noise(evidence), np.array([has_own_level]))
+    return fitted_noise(evidence, errors, np.ones(len(errors)), stated_noise(evidence), np.array([is_level_fixed]))
 
 
 @pytest.mark.parametrize(("level", "share"), [(1.0, 0.0), (1.0, 0.05), (0.8, 0.05), (1.7, 0.03)])
@@ -131,4 +131,4 @@ def test_a_noise_that_is_not_stated_is_no_smaller_than_it_was_estimated():
 
 
 def test_where_an_effect_has_the_place_of_the_level_the_level_stays_as_stated():
-    assert noise_of(1.6 * np.random.default_rng(2).standard_normal(500), has_own_level=True).levels[0] == 1.0
+    assert noise_of(1.6 * np.random.default_rng(2).standard_normal(500), is_level_fixed=True).levels[0] == 1.0

@@ -10,7 +10,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.fitting.likelihood import LEVEL_SD, LEVELS, MEAN_SHARE, SHARES, WIDTH
-from diagnosis.inference.fitting.noise_effects import with_own_level
+from diagnosis.inference.fitting.noise_effects import fixed_levels
 from diagnosis.inference.fitting.standard_errors import standard_errors
 from diagnosis.predictors.base import Observed, Predicted
 from sensors.effects.range_sensor.ambient_noise import AmbientNoise
@@ -113,10 +113,10 @@ def test_a_factor_on_the_noise_takes_the_place_of_its_level_although_rounding_ad
     hypothesis = Hypothesis(robot, (), (effect("noise_scale"),))
     sd = 2.5 * np.geomspace(0.001, 0.010, len(KLUX))
     spreads = (sd**2 / (sd**2 + 0.001**2 / 12.0))[None]
-    assert with_own_level(evidence_of(np.zeros(len(KLUX))), hypothesis, spreads).all()
+    assert fixed_levels(evidence_of(np.zeros(len(KLUX))), hypothesis, spreads).all()
 
 
 def test_noise_that_grows_with_the_light_leaves_the_level_uncertain(robot, effect):
     hypothesis = Hypothesis(robot, (), (effect("ambient_noise"),))
     spreads = (0.5 * 60.0 * KLUX / (1.0 + 60.0 * KLUX))[None]
-    assert not with_own_level(evidence_of(np.zeros(len(KLUX))), hypothesis, spreads).any()
+    assert not fixed_levels(evidence_of(np.zeros(len(KLUX))), hypothesis, spreads).any()
