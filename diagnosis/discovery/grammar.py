@@ -61,7 +61,7 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
         place: The slot.
         materials: Names of the materials of a range bench, each of which may have an error of its own.
     """
-    several = [each for each in place.covariates.values() if can_have_law(each)]
+    law_covariates = [each for each in place.covariates.values() if can_have_law(each)]
     x, y = place.covariates.get("x_m"), place.covariates.get("y_m")
     if x is not None and y is not None:
         yield from floor_forms(place, x, y)
@@ -71,11 +71,11 @@ def forms(place: LawPlace, materials: Sequence[str]) -> Iterator[LawForm]:
     for covariate in place.covariates.values():
         if covariate.is_angle:
             yield from _turning(place, covariate)
-    for covariate in several:
+    for covariate in law_covariates:
         is_slow = place.is_factor or covariate.is_of_path
         yield from _jumps_and_drifts(place, covariate) if is_slow else _along(place, covariate)
     if place.slot is Slot.RANGE:
-        yield from _range_forms(place, several, materials)
+        yield from _range_forms(place, law_covariates, materials)
     if place.is_odd:
         for covariate in place.covariates.values():
             yield from _end_forms(place, covariate)
@@ -146,10 +146,12 @@ def _jumps_and_drifts(place: LawPlace, c: SlotCovariate) -> Iterator[LawForm]:
     yield from _powers(place, c, None)
 
 
-def _range_forms(place: LawPlace, several: Sequence[SlotCovariate], materials: Sequence[str]) -> Iterator[LawForm]:
+def _range_forms(
+    place: LawPlace, law_covariates: Sequence[SlotCovariate], materials: Sequence[str]
+) -> Iterator[LawForm]:
     """Yield the forms that only a range has."""
     distance, incidence = (place.covariates.get(name) for name in ("distance_m", "incidence_rad"))
-    for covariate in several:
+    for covariate in law_covariates:
         if distance is not None and covariate is not distance:
             yield from _powers(place, covariate, distance)
     if incidence is not None:

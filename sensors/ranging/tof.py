@@ -97,10 +97,10 @@ class RangeDevices:
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
-        # Axis, left and up of each sensor, (3, N, 3).
-        angle = 0.5 * np.pi * np.array([0.0, 1.0, 1.0])
-        roll = 0.5 * np.pi * np.array([0.0, 0.0, 1.0]) + roll_rad
-        frames = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
+        # Axis, left and up of each sensor, (3, N, 3): the directions of rays along the axis and at right angles to it.
+        frame_angle = 0.5 * np.pi * np.array([0.0, 1.0, 1.0])
+        frame_roll = 0.5 * np.pi * np.array([0.0, 0.0, 1.0]) + roll_rad
+        frames = [ray_directions(m, frame_angle, frame_roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         self._frames_R = np.stack(frames, axis=1)
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure. It has no offset and the noise of Eq. 23.

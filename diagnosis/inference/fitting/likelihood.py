@@ -3,13 +3,13 @@
 A reading is good, with normal noise, or an outlier, with a small probability (a contaminated normal distribution: Tukey
 1960; Huber and Ronchetti, Robust Statistics, 2nd ed., section 1.1). The density of an outlier is a Cauchy density of
 WIDTH stated sigmas: so wide that a good reading hardly ever counts as one, and with tails so heavy that a reading of
-hundreds of sigmas costs no more than a few of three. It has a slope everywhere, so that a model that is far from the
-data finds its way.
+hundreds of sigmas costs no more than a few of three. It has a slope everywhere, so that a fit converges
+also if it starts far from the data.
 
-Two numbers of each observed quantity are nuisances, and each fit finds its own: the share of outliers, and the level of
-the noise relative to what is stated. Without the share, one reading in twenty that is wild looks like larger noise;
-without the level, a stated noise that is too small makes every chance pattern significant. The share has an exponential
-prior, the level a log-normal one. Both are found by expectation maximisation (Dempster, Laird and Rubin, J. Royal
+Two numbers of each observed quantity are nuisances of each fit: the share of outliers, and the level of the noise
+relative to what is stated. Without the share, a few outliers would look like larger noise; without the level, a stated
+noise that is too small would make every chance pattern significant. The share has an exponential prior, the level a
+log-normal one. Both are estimated by expectation maximisation (Dempster, Laird and Rubin, J. Royal
 Statist. Soc. B 39 (1977) 1-38).
 """
 
@@ -98,10 +98,10 @@ def costs_of_residuals(evidence: Evidence, z: Array, sd: Array, noise: NoiseFit)
         sd: (..., N), standard deviation of the fitted noise of a good reading.
         noise: Shares of outliers; its levels are part of `sd`.
     """
-    lost = np.isinf(z)
-    good, outlier = _densities(evidence, np.where(lost, 0.0, z), sd, noise)
+    is_not_predicted = np.isinf(z)
+    good, outlier = _densities(evidence, np.where(is_not_predicted, 0.0, z), sd, noise)
     costs = np.where(np.isfinite(evidence.values), -2.0 * evidence.weight * np.log(good + outlier), 0.0)
-    return np.where(lost, np.inf, costs)
+    return np.where(is_not_predicted, np.inf, costs)
 
 
 def weights(evidence: Evidence, z: Array, sd: Array, noise: NoiseFit) -> tuple[Array, Array]:
@@ -124,14 +124,14 @@ def cost(evidence: Evidence, prediction: Prediction, prior: Array, rows: Mask, n
 
 
 def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, is_level_fixed: Mask) -> NoiseFit:
-    """Return the levels and shares of the smallest cost over the rows of the fit.
+    """Return the levels and shares with the lowest cost over the rows of the fit.
 
     Args:
         evidence: The observations.
         z: (N,), residuals in sigmas of the predicted noise.
         sd: (N,), standard deviation of the predicted noise.
         start: Levels and shares at which the search begins.
-        is_level_fixed: (Q,), quantities whose level stays 1, because an effect of the hypothesis has its place.
+        is_level_fixed: (Q,), quantities whose level stays 1, because an effect of the hypothesis changes it instead.
     """
     rows = np.flatnonzero(evidence.fit)
     quantity, count = evidence.quantity[rows], len(evidence.observed)
@@ -139,6 +139,7 @@ def fitted_noise(evidence: Evidence, z: Array, sd: Array, start: NoiseFit, is_le
     ratio = sd[rows] / evidence.sd[rows]
     outlier = _PEAK / (1.0 + square * (ratio / WIDTH) ** 2)
     total = _sums(quantity, weight, count)
+    # Expectation: how probably each reading is a good one. Maximisation: level and share of the posterior with these.
     lowest = np.array([LEVELS[0] if observed.noise_is_stated else 1.0 for observed in evidence.observed])
     level, share = np.where(is_level_fixed, 1.0, start.levels), start.shares
     for _ in range(MAX_ROUNDS):

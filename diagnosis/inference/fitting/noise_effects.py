@@ -34,7 +34,7 @@ def costs_with_fitted_noise(
         prediction: Of M robots.
         prior: (M, Q), deviations of the nuisances in standard deviations.
         start: Noise at which the search begins.
-        is_level_fixed: (Q,), quantities whose level stays 1, because an effect has its place.
+        is_level_fixed: (Q,), quantities whose level stays 1, because an effect changes it instead.
     """
     z = residuals(evidence, prediction, stated_noise(evidence))
     lost = np.isinf(z)

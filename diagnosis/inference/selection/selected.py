@@ -17,7 +17,13 @@ MAX_WEIGHT_RATIO = 1.25
 
 
 def selected(evidence: Evidence, bare: Hypothesis, effects: Sequence[CandidateEffect]) -> tuple[Evidence, Selection]:
-    """Return the evidence with the noise that the selected effects leave, and the selection."""
+    """Return the evidence with the noise that the selected effects leave, and the selection.
+
+    Args:
+        evidence: The observations.
+        bare: The hypothesis without effects.
+        effects: The effects that may be selected.
+    """
     selection = select(evidence, bare, effects)
     # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
     updated = with_updated_share(with_estimated_noises(evidence, selection.fit), selection.fit)
@@ -34,10 +40,17 @@ def selected_with_early_voltages(
 ) -> tuple[Evidence, Hypothesis, Selection]:
     """Return evidence, bare hypothesis and selection, with voltages that act early if the data need them.
 
-    An effect may look like such voltages, and they may look like an effect. So it is asked again with what is selected.
+    An effect may look like such voltages, and such voltages like an effect. So the test is repeated after the
+    selection: voltages that were accepted before it must still be needed beside the selected effects, and voltages that
+    were rejected may be needed then.
+
+    Args:
+        evidence: The observations.
+        bare: The hypothesis without effects.
+        effects: The effects that may be selected.
     """
-    (held,) = fits(evidence, [(bare, bare.null())])
-    early = early_fit(evidence, held)
+    (bare_fit,) = fits(evidence, [(bare, bare.null())])
+    early = early_fit(evidence, bare_fit)
     if early is None or not early.is_needed:
         evidence, selection = selected(evidence, bare, effects)
         early = None if early is None else early_fit(evidence, selection.fit)
@@ -47,12 +60,13 @@ def selected_with_early_voltages(
         evidence, selection = selected(early.evidence, bare, effects)
         return evidence, bare, selection
     with_early = replace(early.hypothesis, effects=())
-    steady, selection = selected(early.evidence, with_early, effects)
+    early_evidence, selection = selected(early.evidence, with_early, effects)
+    # The same effects without the nuisances of early voltages, which follow those of `bare`.
     fewer = replace(selection.fit.hypothesis, nuisances=bare.nuisances)
     x = np.delete(selection.fit.x, range(len(bare.nuisances), len(with_early.nuisances)))
-    (held,) = fits(evidence, [(fewer, x)])
-    again = early_fit(evidence, held)
-    if again is not None and again.is_needed:
-        return steady, with_early, selection
+    (fit_without_early,) = fits(evidence, [(fewer, x)])
+    early_beside_effects = early_fit(evidence, fit_without_early)
+    if early_beside_effects is not None and early_beside_effects.is_needed:
+        return early_evidence, with_early, selection
     evidence, selection = selected(evidence, bare, effects)
     return evidence, bare, selection

@@ -92,7 +92,10 @@ Attempts = Iterator[tuple[str, Sequence[Leg]]]
 
 
 def _shapes(reach: Reach, v: float, w: float) -> Iterator[Attempts]:
-    """Yield all manoeuvres with a speed [m/s] and a yaw rate [rad/s] that none of their legs exceeds."""
+    """Yield the variants of each manoeuvre, the preferred one first; a new manoeuvre is a line here.
+
+    No leg exceeds the speed [m/s] and the yaw rate [rad/s].
+    """
     at = f"at {v:.2g} m/s"
     yield _there_and_back(reach, f"straight ahead and back {at}", [(v, 0.0)])
     yield _there_and_back(reach, f"a turn on the spot to the left and back at {w:.2g} rad/s", [(0.0, w)])
@@ -113,7 +116,9 @@ def _shapes(reach: Reach, v: float, w: float) -> Iterator[Attempts]:
 
 
 def _there_and_back(reach: Reach, title: str, speeds: Sequence[tuple[float, float]]) -> Attempts:
-    """Yield legs with some speeds and the same in reverse, repeated more often where the floor is small."""
+    """Yield legs with some speeds and the same legs in reverse; each further variant repeats shorter legs more
+    often.
+    """
     for repeats in range(1, MAX_REPEATS + 1):
         rows = reach.rows // (2 * len(speeds) * repeats)
         if rows < MIN_ROWS:
@@ -124,12 +129,13 @@ def _there_and_back(reach: Reach, title: str, speeds: Sequence[tuple[float, floa
 
 
 def _pushes(reach: Reach, title: str, v: float, w: float) -> Attempts:
+    """Yield one variant: short legs forward and in reverse, as many as the time allows."""
     pair = [Leg(v, w, SHORT_ROWS), Leg(-v, -w, SHORT_ROWS)]
     yield title + _angle(pair[:1]), pair * (reach.rows // (2 * SHORT_ROWS))
 
 
 def _spins(reach: Reach, side: str, w: float) -> Attempts:
-    """Yield the most whole turns on the spot for which the time is enough."""
+    """Yield one variant: turning on the spot, by the largest number of whole turns that the time allows."""
     possible = _turned(reach.rows, abs(w)) / (2.0 * pi)
     if turns := int(possible):
         rate = w * turns / possible
@@ -140,7 +146,7 @@ def _spins(reach: Reach, side: str, w: float) -> Attempts:
 
 
 def _circles(reach: Reach, side: str, v: float, w: float) -> Attempts:
-    """Yield circles, of which more are smaller."""
+    """Yield circles; each further variant has one circle more, and smaller ones."""
     for circles in range(1, MAX_REPEATS + 1):
         rate = 2.0 * pi * circles / _turned(reach.rows, 1.0)
         speed = _inner(reach, v, rate)
@@ -151,6 +157,7 @@ def _circles(reach: Reach, side: str, v: float, w: float) -> Attempts:
 
 
 def _eights(reach: Reach, v: float, w: float) -> Attempts:
+    """Yield figures eight; each further variant has one more, and smaller ones."""
     for eights in range(1, MAX_REPEATS + 1):
         rows = reach.rows // (2 * eights)
         if rows <= MIN_ROWS:
@@ -164,7 +171,10 @@ def _eights(reach: Reach, v: float, w: float) -> Attempts:
 
 
 def _squares(reach: Reach, side: str, v: float, w: float) -> Attempts:
-    """Yield squares with turns on the spot (UMBmark: Borenstein and Feng, IEEE Trans. Robot. Autom. 12 (1996) 869)."""
+    """Yield squares with turns on the spot, from the largest to the smallest.
+
+    They are those of UMBmark (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869).
+    """
     corner = ceil(0.5 * pi / (abs(w) * ROW_S)) + RAMP_ROWS - 1
     straight = reach.rows // 4 - corner
     if straight < MIN_ROWS:

@@ -1,4 +1,4 @@
-"""Ranges that are too long or too short by the same amount."""
+"""Ranges that are too long or too short by the same amount, on a range bench; in a drive it is `tof_range_offset`."""
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import RangeShift

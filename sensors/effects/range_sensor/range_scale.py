@@ -1,4 +1,4 @@
-"""Ranges that grow too fast or too slowly with the distance."""
+"""Ranges that are too long or too short by the same factor, on a range bench; in a drive it is `tof_range_scale`."""
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import GeometryScale

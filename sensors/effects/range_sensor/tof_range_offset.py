@@ -1,4 +1,4 @@
-"""Ranges of one sensor that are too long or too short by the same amount."""
+"""Ranges of one sensor that are too long or too short by the same amount, in a drive; on a bench: `range_offset`."""
 
 from typing import Literal
 

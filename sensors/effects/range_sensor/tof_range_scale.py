@@ -1,4 +1,4 @@
-"""Ranges of all sensors that are too long or too short by the same factor."""
+"""Ranges of all sensors that are too long or too short by the same factor, in a drive; on a bench: `range_scale`."""
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import GeometryScale
