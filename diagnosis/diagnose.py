@@ -14,7 +14,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.sessions import session_nuisances, within_sessions
-from diagnosis.inference.evidence.whole_runs import over_whole_runs
+from diagnosis.inference.evidence.whole_runs import with_whole_runs
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.gain import Gain, gain
@@ -236,7 +236,7 @@ def diagnose(
     model = NamedModel(fit, comparisons, result)
     model, withheld_names = standing(evidence, selection, model, library.testable, parts, measured=measured)
     fit, comparisons, result = model.fit, model.comparisons, model.result
-    fit = with_shared_rounding(evidence, over_whole_runs(measurement, evidence, fit))
+    fit = with_shared_rounding(evidence, with_whole_runs(measurement, evidence, fit))
     alternatives = tuple(_alternatives(measurement, evidence, comparisons))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
     progress.begin(Phase.INTERVALS)
@@ -311,7 +311,7 @@ def _alternatives(
     for comparison in comparisons:
         for rival in comparison.rivals:
             if rival.worse < AS_GOOD:
-                fit = with_shared_rounding(evidence, over_whole_runs(measurement, evidence, rival.fit))
+                fit = with_shared_rounding(evidence, with_whole_runs(measurement, evidence, rival.fit))
                 yield Alternative(fit, rival.worse)
 
 

@@ -38,6 +38,7 @@ class Tile:
 Make = Callable[[Tile], FloatImage]
 """Function that makes the texels (N, N, K) of a tile, rows along y."""
 Unpack = Callable[[FloatImage], FloatImage]
+"""Function that makes the values of a patch from the stored texels of a tile."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Tiling:
     """Number of further texels on each side, over which a tile blends into its neighbours."""
 
     def side(self) -> int:
+        """Return the number of texels along a side of a tile with its margins."""
         return self.core + 2 * self.margin
 
     def shares(self) -> FloatImage:
@@ -169,8 +171,8 @@ def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np
 
 def _copy_common(patch: MapPatch, texels: FloatImage, first: NDArray[np.int64]) -> None:
     """Copy the part of a patch that lies on texels (H, W, K), the first of which is `first` on the plane."""
-    theirs, ours = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
-    low, high = np.maximum(patch.first, first), np.minimum(patch.first + theirs, first + ours)
+    patch_size, size = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
+    low, high = np.maximum(patch.first, first), np.minimum(patch.first + patch_size, first + size)
     (x, y), (to_x, to_y), (columns, rows) = low - patch.first, low - first, high - low
     texels[to_y : to_y + rows, to_x : to_x + columns] = patch.texels[y : y + rows, x : x + columns]
 

@@ -1,4 +1,4 @@
-"""Settings of a camera whose model makes an image with the measures of photographs.
+"""Fit of a camera: settings with which an image of its model has the same measures as the photographs.
 
 The model image is a line of one level on a floor of another one, developed by `sensors.camera.response` with the size
 of the photographs. It needs no rendering. Each setting belongs to one measure and is corrected by the form that the
@@ -33,11 +33,15 @@ _WIDTH_OF_SD = 2.563
 _SHARPENING_OF_OVERSHOOT = 4.0
 """Rise of `sharpening` that raises the overshoot by 1, approximately; the corrections approach the right value."""
 _FINER = 8
+"""Points per pixel with which the share of the line in a pixel is computed."""
 _DARKEST = 1e-5
+"""Smallest linear light, so that ratios are defined."""
 _NOISELESS = 0.02
 """Standard deviation in grey values below which an image has no noise."""
 _MIN_VARIANCE = 1e-8
+"""Smallest variance of the noise, so that its inverse is defined."""
 _MODEL_IMAGES = 3
+"""Number of model images that are measured, each with the line at another place between the pixels."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +95,11 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
         base: Camera with the settings that photographs do not reveal: tone curve, noise reduction, colour filter.
     """
     target = CameraTarget.of(photographs)
-    lost = vignetting(photographs, base.contrast)
+    falloff = vignetting(photographs, base.contrast)
     look = base.model_copy(
         update={
-            "vignetting": lost,
-            "brightness": _within(median_of(photographs, lambda p: median_light(p, base.contrast, lost)), 0.01, 0.9),
+            "vignetting": falloff,
+            "brightness": _within(median_of(photographs, lambda p: median_light(p, base.contrast, falloff)), 0.01, 0.9),
             "compensation_ev": 0.0,
             "exposure_time_s": 0.0,
             "manual_exposure": None,
@@ -107,8 +111,12 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
             "colour_filter": _colour_filter(photographs, base),
             # The floor has its colour in the photographs if its light is rendered neutral.
             "white_balance_adaption": 1.0,
-            "shading_right_ev": _within(median_of(photographs, lambda p: shading_ev(p, base.contrast, lost)[0]), -3, 3),
-            "shading_down_ev": _within(median_of(photographs, lambda p: shading_ev(p, base.contrast, lost)[1]), -3, 3),
+            "shading_right_ev": _within(
+                median_of(photographs, lambda p: shading_ev(p, base.contrast, falloff)[0]), -3, 3
+            ),
+            "shading_down_ev": _within(
+                median_of(photographs, lambda p: shading_ev(p, base.contrast, falloff)[1]), -3, 3
+            ),
         }
     )
     geometry = photographs[0].place.shape, median_of(photographs, lambda p: p.place.width_px)

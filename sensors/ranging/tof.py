@@ -92,16 +92,37 @@ class RangeDevices:
         self._weighting = effects.functions(Slot.RAY_WEIGHT)
         self._head_on = head_on_factor(self._profile, angle, self._weighting)
         self._full_signal = head_on_factor(self._profile, angle) * self._profile.sum()
-        origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
+        self._rays_R, self._frames_R = self._rays_and_frames(mounts, effects, angle, roll, roll_rad)
+        self._read_surfaces(arena)
+        self._previous_m: Array | None = None
+        self._last = [(config.no_target_m, NO_TARGET)] * self._count
+
+    def _rays_and_frames(
+        self, mounts: Sequence[TofMount], effects: RobotEffects, angle: Array, roll: Array, roll_rad: float
+    ) -> tuple[Array, Array]:
+        """Return origins and directions of all rays (2 N rays, 4), and axis, left and up of each sensor (3, N, 3), in
+        R.
+
+        Args:
+            mounts: Places of the N sensors.
+            effects: Effects of the robot, which may turn a sensor in its mount.
+            angle: (rays,), angle of each ray to the axis.
+            roll: (rays,), direction of each ray around the axis.
+            roll_rad: Roll of the sensors about their axes.
+        """
+        origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (len(angle), 1)) for m in mounts]
         askew = applied(effects.functions(Slot.RANGE_MOUNT), np.zeros(self._count))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions. Rows that end with 1 are moved and turned with the robot, rows with 0 only turned.
-        self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
+        rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
         # Axis, left and up of each sensor, (3, N, 3): the directions of rays along the axis and at right angles to it.
         frame_angle = 0.5 * np.pi * np.array([0.0, 1.0, 1.0])
         frame_roll = 0.5 * np.pi * np.array([0.0, 0.0, 1.0]) + roll_rad
         frames = [ray_directions(m, frame_angle, frame_roll, extra) for m, extra in zip(mounts, askew, strict=True)]
-        self._frames_R = np.stack(frames, axis=1)
+        return rays_R, np.stack(frames, axis=1)
+
+    def _read_surfaces(self, arena: Arena) -> None:
+        """Keep what each surface of the arena does to a reading, the floor first."""
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure. It has no offset and the noise of Eq. 23.
         offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
@@ -109,8 +130,6 @@ class RangeDevices:
         self._offset_and_sd_m = np.stack([offset_m, sd_m])
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
-        self._previous_m: Array | None = None
-        self._last = [(config.no_target_m, NO_TARGET)] * self._count
 
     def sample(self, world: World) -> Array:
         """Return range [m] and `TofStatus` of each sensor, (N, 2)."""

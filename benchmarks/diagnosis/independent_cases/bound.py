@@ -47,7 +47,7 @@ def run(truth_path: Path) -> None:
 
 def _print_with_unknown_noise(cases: Sequence[dict[str, Any]], level: float) -> None:
     """Print the same for a test that knows the noise to a factor of two, and for each effect of the noise."""
-    powers = [unknown_noise.seen(case, level) for case in cases]
+    powers = [unknown_noise.powers_of_case(case, level) for case in cases]
     print(f"{'':13s} by a test that knows the noise to a factor of two: {np.mean([np.prod(p) for p in powers]):.1%}")
     for name in RangeSetting.IN_NOISE:
         each = [

@@ -74,14 +74,15 @@ _HEIGHTS = 16
 _BLENDED = 1 / 15
 """Share of the rows over which one light image blends into the other."""
 _LOW, _TIMES_LOW = 0.25, 2
-"""Share of the rows up to which the upper light image has that many times the samples, which take little time there."""
+"""An upper light image of at most this share of the rows is small, so it has this many times the samples."""
 _MOSTLY = 0.5
+"""Share of the floor in a pixel below which something else covers most of it."""
 _CORNERS = (0, 2, -3, -1)
 """Indices of the corners in `filter_points`."""
 _EVERY = 4
 """Step of the rows of pixels from which the needed tiles follow; the other rows rarely need more."""
 _IN_M = 0.05
-"""Distance of an image's corners from the floor's border from which on the whole image is inside the floor."""
+"""If the corners of an image are at least this far inside the border of the floor, the whole image is."""
 _MAX_SHARE = 1.5
 """Maximum ratio of light with and without moving bodies; above 1 where a moving body reflects light."""
 _MIN_SHARE = np.float32(0.005)
@@ -89,7 +90,6 @@ _MIN_SHARE = np.float32(0.005)
 _MIN_LIGHT = np.float32(1e-6)
 _UP = (0.0, 0.0, 1.0)
 _AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-
 
 Hidden = tuple[FloatImage, SmallLight]
 """Part (H, W, 3) of the light on the floor that comes from a light and that what moves hides."""

@@ -194,15 +194,18 @@ def _scatter(errors: Array) -> Array:
     return np.maximum([place, place, float(np.sqrt(np.mean(errors[..., 2] ** 2)))], MIN_SCATTER)
 
 
-def over_whole_runs(measurement: Measurement, evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
-    """Return the fit with parameters from whole runs, for a drive without commands; else the same fit."""
+def with_whole_runs(measurement: Measurement, evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
+    """Return the fit with the parameters of a fit to whole runs.
+
+    It is the same fit unless the drive has known wheels and enough runs.
+    """
     if not isinstance(measurement.nominal, KnownWheels):
         return fit
     whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
     if whole is None:
         return fit
-    # The residuals are those of the windows, as in every report; the errors are those of the fit to whole runs, except
-    # of what only windows show.
+    # The residuals stay those of the windows, as in every report. Parameters and standard errors are those of the fit
+    # to whole runs; a parameter that only the windows show keeps its information from them.
     seen = ~fit.hypothesis.is_local
     information, x = np.zeros_like(fit.information), fit.x.copy()
     information[np.ix_(seen, seen)], x[seen] = np.linalg.pinv(whole.covariance, hermitian=True), whole.x

@@ -16,14 +16,18 @@ from benchmarks.diagnosis.independent_cases.case import draw_case
 from benchmarks.diagnosis.independent_cases.ranges.tof_bench import RangeSetting
 from benchmarks.diagnosis.independent_cases.recipes import Array, Effect, variant_of
 
-LEVELS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0)  # variances of the noise, relative to the stated one
-CORRELATIONS = (0.0, 0.2)  # of neighbours
-NOMINAL_NUMBERS = 2  # offset and scale
+LEVELS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
+"""Variances of the noise that are tried, relative to the stated one."""
+CORRELATIONS = (0.0, 0.2)
+"""Correlations of neighbouring rows that are tried."""
+NOMINAL_NUMBERS = 2
+"""Number of nominal parameters: offset and scale."""
 DRAWS = 20_000
+"""Draws from which the quantiles of a test are estimated."""
 
 
 def power_of_f_test(ratio: float, numbers: int, rows: int, level: float) -> float:
-    """Return the power for an effect with so many numbers and a likelihood ratio by the true noise."""
+    """Return the power for an effect with so many numbers, whose likelihood ratio was computed with the true noise."""
     degrees = max(rows - numbers - NOMINAL_NUMBERS, 1)
     return float(ncf.sf(f.isf(level, numbers, degrees), numbers, degrees, ratio))
 
@@ -37,7 +41,7 @@ def power_of_noise_test(without: Array, true: Array, level: float) -> float:
     return float(np.mean(squares @ (weights * ratios) > np.quantile(squares @ weights, 1.0 - level)))
 
 
-def seen(truth: dict[str, Any], level: float) -> list[float]:
+def powers_of_case(truth: dict[str, Any], level: float) -> list[float]:
     """Return the power of the test for each effect of a case of truth.json."""
     effects = truth["effects"]
     rows = truth["setting"]["rows_fit"]
