@@ -14,8 +14,8 @@ from diagnosis.measured.case_files.nominal import NominalStep
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import Observed
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.motor_steady import MotorSteady
-from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.motor.steady import MotorSteady
+from diagnosis.predictors.motor.step import MotorStep
 from diagnosis.predictors.rows import joined, session_time_s
 from sensors.wheels.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
 from symolo.core.arrays import Array

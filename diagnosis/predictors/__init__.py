@@ -6,8 +6,8 @@ from types import MappingProxyType
 from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors.base import Binder, only_stage
 from diagnosis.predictors.drive_log import drive_log_stages
-from diagnosis.predictors.motor_steady import MotorSteady
-from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.motor.steady import MotorSteady
+from diagnosis.predictors.motor.step import MotorStep
 from diagnosis.predictors.ranges.range_scan import RangeScan
 from diagnosis.predictors.ranges.tof_bench import TofBenchStage
 from diagnosis.predictors.symolo_csv import symolo_csv_stages

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors.count_noise import CountNoise
-from diagnosis.predictors.early_voltages import EarlyVoltages
 from diagnosis.predictors.turning_response import TurningResponse
+from diagnosis.predictors.wheels.count_noise import CountNoise
+from diagnosis.predictors.wheels.early_voltages import EarlyVoltages
 from symolo.core.arrays import Array
 from symolo.core.text_enum import TextEnum
 

@@ -14,7 +14,7 @@ from diagnosis.measured.case_files.nominal import NominalTof
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.holdout import select_part
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.predictors.motor.steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from sensors.ranging.tof import NOISE_AT_NEAR_MM
 from symolo.core.tables.time_series import TimeSeries

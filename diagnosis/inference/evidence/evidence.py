@@ -14,7 +14,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.drift_memory import DriftMemory
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Observed, Stage
-from diagnosis.predictors.count_noise import Whitening
+from diagnosis.predictors.wheels.count_noise import Whitening
 from symolo.core.arrays import Array
 
 MIN_NOISE = 1e-3

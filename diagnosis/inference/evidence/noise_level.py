@@ -9,8 +9,8 @@ autocorrelations of the residuals without their running mean, up to the first th
 (1992) 473-483), expressed as the p of AR(1) noise with the same sum (1 + p)/(1 - p). The rows of a sweep are no series
 and have no correlation.
 
-The noise of speeds that are computed from counts has a form of its own (`diagnosis.predictors.count_noise`), of which
-the level of a random torque is estimated. The correlation is what this form leaves.
+The noise of speeds that are computed from counts has a form of its own (`diagnosis.predictors.wheels.count_noise`), of
+which the level of a random torque is estimated. The correlation is what this form leaves.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ from diagnosis.measured.noise import (
     without_blocks,
 )
 from diagnosis.predictors.base import Observed
-from diagnosis.predictors.count_noise import CountNoise
+from diagnosis.predictors.wheels.count_noise import CountNoise
 from symolo.core.arrays import Array
 
 ROWS_FOR_CORRELATION = 60

@@ -18,7 +18,7 @@ from diagnosis.inference.unexplained.adequacy import change_by
 from diagnosis.measured.case_files.case_format import LONG_AFTER_S
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import CovariateShape, Observed
-from diagnosis.predictors.turning_loads import TURNING
+from diagnosis.predictors.wheels.turning_loads import TURNING
 from symolo.core.arrays import Array
 
 MATTERS = 0.1

@@ -24,7 +24,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import at
 from diagnosis.inference.naming.file_numbers import file_numbers
 from diagnosis.inference.naming.verdict import CaseVerdict
-from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.predictors.motor.steady import MotorSteady
 from diagnosis.report.answer import answer
 from diagnosis.report.files import files
 from diagnosis.report.page import page

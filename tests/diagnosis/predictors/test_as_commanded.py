@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.predictors.as_commanded import as_commanded
+from diagnosis.predictors.wheels.as_commanded import as_commanded
 
 ROWS = 800
 TRIAL = np.repeat([1, 2], ROWS // 2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.evidence.noise_level import torque_noise
-from diagnosis.predictors.count_noise import CountNoise, continued
+from diagnosis.predictors.wheels.count_noise import CountNoise, continued
 
 ROW_S = 0.05
 LAG_S = 0.12

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.zero_order_hold import held_means
-from diagnosis.predictors.early_voltages import SHAPES, held_earlier, independent_responses, shaped, steps_s
+from diagnosis.predictors.wheels.early_voltages import SHAPES, held_earlier, independent_responses, shaped, steps_s
 from physics.drivetrain.motor import MotorModel
 from symolo.core.tables.time_series import TimeSeries
 

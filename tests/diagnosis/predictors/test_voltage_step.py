@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.predictors.motor_steady import _size_step
+from diagnosis.predictors.motor.steady import _size_step
 
 
 def test_the_step_is_that_of_the_size_whatever_the_sign():

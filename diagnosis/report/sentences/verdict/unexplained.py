@@ -7,7 +7,7 @@ from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
 from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
-from diagnosis.predictors.turning_loads import TURNING
+from diagnosis.predictors.wheels.turning_loads import TURNING
 from diagnosis.report.sentences.quantities import along, quantity_words
 
 

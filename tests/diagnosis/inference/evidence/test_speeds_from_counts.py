@@ -12,7 +12,7 @@ from diagnosis.inference.gain import gain
 from diagnosis.inference.unexplained.adequacy import CLUSTER, adequacy
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, Observed, Predicted
-from diagnosis.predictors.count_noise import CountNoise
+from diagnosis.predictors.wheels.count_noise import CountNoise
 
 ROWS, ROUNDING, TORQUE = 400, 0.04, 0.01
 

@@ -14,7 +14,7 @@ from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.predictors.count_noise import CountNoise
+from diagnosis.predictors.wheels.count_noise import CountNoise
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)

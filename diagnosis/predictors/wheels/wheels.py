@@ -13,19 +13,8 @@ from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.zero_order_hold import held_means
-from diagnosis.predictors.as_commanded import as_commanded
 from diagnosis.predictors.base import Covariate, CovariateShape, InputResponse, Observed, Predicted
-from diagnosis.predictors.count_noise import CountNoise, continued
 from diagnosis.predictors.distinct import KnownPredictions
-from diagnosis.predictors.early_voltages import PARTS as EARLY_PARTS
-from diagnosis.predictors.early_voltages import (
-    SHAPES,
-    EarlyVoltages,
-    held_earlier,
-    independent_responses,
-    shaped,
-    steps_s,
-)
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import (
     bridged,
@@ -37,7 +26,18 @@ from diagnosis.predictors.rows import (
     trial_covariate,
     trial_of_rows,
 )
-from diagnosis.predictors.turning_loads import TURNING, turning_loads
+from diagnosis.predictors.wheels.as_commanded import as_commanded
+from diagnosis.predictors.wheels.count_noise import CountNoise, continued
+from diagnosis.predictors.wheels.early_voltages import PARTS as EARLY_PARTS
+from diagnosis.predictors.wheels.early_voltages import (
+    SHAPES,
+    EarlyVoltages,
+    held_earlier,
+    independent_responses,
+    shaped,
+    steps_s,
+)
+from diagnosis.predictors.wheels.turning_loads import TURNING, turning_loads
 from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
 from physics.robot.stack import MOTOR_TORQUE_SLOTS, stackable_groups, stacked

@@ -21,8 +21,8 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
+from diagnosis.predictors.motor.seen_motion import seen_motion
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_of_rows
-from diagnosis.predictors.seen_motion import seen_motion
 from physics.drivetrain.motor_bench import RowHistory, steady_states, steady_states_of_known_motion
 from physics.robot.model import RobotModel
 from physics.robot.stack import stackable_groups, stacked, stacked_effects

@@ -1,0 +1,1 @@
+"""Stages that predict current and speed of a motor on a bench."""
