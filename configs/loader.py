@@ -21,13 +21,13 @@ from configs.checks.scenario import (
     check_splits,
 )
 from configs.effects.effect_files import with_user_effects
-from configs.overrides import apply_override, check_order
+from configs.overrides import apply_override, check_order, with_route_index
 from configs.posterior.agreement import check_posterior, without_shipped_draws
 from configs.posterior.reading import with_posterior
 from configs.posterior.schema import LoadedPosterior
 from configs.references import locate, read_file, resolve
 from configs.robot_controller import with_chosen
-from configs.route_arenas import ARENA, arena_path, single_route_root, with_each_arena
+from configs.route_arenas import ARENA, arena_path, check_arena_is_used, single_route_root, with_each_arena
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
@@ -43,6 +43,7 @@ from configs.validation.values import (
     with_independent,
 )
 from symolo.core.errors import InputError, apart, together
+from symolo.core.yaml.reader import displayed
 from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 
@@ -177,7 +178,9 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     root = read_file("scenario", path, failed=failed)
     if failed:
         raise together(_with_faults_elsewhere(root, failed))
-    root, replaced = without_shipped_draws(with_posterior(_overridden(root, Scenario, overrides)))
+    root = _overridden(root, Scenario, overrides)
+    check_arena_is_used(root, displayed(path), overrides)
+    root, replaced = without_shipped_draws(with_posterior(root))
     root = with_defaults(with_chosen(root), Shape.of(Scenario))
     root, assets = _with_files(_with_shapes(root), Scenario)
     return replace(_checked(root, assets), replaced_draws=replaced)
@@ -286,10 +289,12 @@ def _section(kind: str, node: Node, overrides: Sequence[str] = ()) -> LoadedSect
 
 def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> Node:
     root = _completed(root, model)
+    indexed: list[str] = []
     for text in overrides:
+        indexed.append(with_route_index(root, text))
         # Add defaults again, because a new list item or section may lack fields.
         root = _completed(apply_override(root, text), model)
-    check_order(overrides)
+    check_order(overrides, indexed)
     return root
 
 

@@ -85,22 +85,46 @@ def _is_named(text: str) -> bool:
     return isinstance(content, str) or (isinstance(content, dict) and "extends" in content)
 
 
-def check_order(overrides: Sequence[str]) -> None:
-    """Refuse texts one of which replaces a whole section or camera in which an earlier one has set something.
+def with_route_index(root: Node, text: str) -> str:
+    """Return an override with the index of a route in place of its name; any other override as it is."""
+    name, equals, value = text.partition("=")
+    keys = name.strip().split(".")
+    routes = root.child(ROUTES)
+    if keys[0] != ROUTES or len(keys) < 2 or routes is None or not isinstance(routes.value, tuple):
+        return text
+    keys[1] = str(_index(routes.value, keys[1], (ROUTES,), f"--set {name.strip()}"))
+    return ".".join(keys) + equals + value
+
+
+def check_order(overrides: Sequence[str], indexed: Sequence[str]) -> None:
+    """Refuse texts one of which replaces a whole section, camera or list in which an earlier one has set something.
+
+    Args:
+        overrides: Texts as the user wrote them.
+        indexed: The same with an index for each route, so that texts about one route begin alike.
 
     Raises:
         InputError: The earlier one would have no effect.
     """
-    for number, text in enumerate(overrides):
-        name, _, value = text.partition("=")
+    for number, text in enumerate(indexed):
         replaced = CAMERA if names_camera(text) else replaced_section(text)
-        lost = next((each for each in overrides[:number] if replaced and _sets(each, replaced)), None)
-        if lost is not None:
+        lost = [i for i, each in enumerate(indexed[:number]) if replaced and _sets(each, replaced)]
+        if list_name := _replaced_list(text):
+            lost += [i for i, each in enumerate(indexed[:number]) if each.startswith(f"{list_name}.")]
+        if lost:
+            name, _, value = overrides[number].partition("=")
             raise InputError(
-                f"discards the earlier --set {lost.partition('=')[0].strip()}",
+                f"discards the earlier --set {overrides[lost[0]].partition('=')[0].strip()}",
                 where=f"--set {name.strip()}={value.strip()}",
-                cure="put the option with the name first",
+                cure=f"put the option with the {'list' if list_name else 'name'} first",
             )
+
+
+def _replaced_list(text: str) -> str:
+    """Return the field that an override replaces by a list; empty if its value is no list."""
+    name, _, value = text.partition("=")
+    node = parse_yaml(value, f"--set {name.strip()}", with_lines=False)
+    return name.strip() if isinstance(node.value, tuple) else ""
 
 
 def _sets(text: str, section: str) -> bool:

@@ -4,10 +4,10 @@ Such a route has an arena of its own in place of that of the scenario. What is d
 with the arena of each route as well, as if it stood at the top.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from symolo.core.errors import FaultList
-from symolo.core.yaml.tree import FieldPath, Node
+from symolo.core.errors import FaultList, InputError
+from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 ROUTES, ARENA = "routes", "arena"
 
@@ -16,6 +16,37 @@ def arena_path(root: Node, index: int) -> FieldPath:
     """Return the path of the arena of a route in the tree of a scenario: its own, or that of the scenario."""
     own: FieldPath = (ROUTES, index, ARENA)
     return (ARENA,) if root.plain_at(own) is None else own
+
+
+def check_arena_is_used(root: Node, file: str, overrides: Sequence[str]) -> None:
+    """Refuse settings of the arena of a scenario if each of its routes has an arena of its own.
+
+    Args:
+        root: Tree of the scenario.
+        file: The file of the scenario. What it inherits from other files is for their routes, and not refused.
+        overrides: Texts of the command line, such as `arena.line.width_m=0.02`.
+
+    Raises:
+        InputError: There is such a setting, which no run would have.
+    """
+    routes, arena = root.child(ROUTES), root.child(ARENA)
+    items = [route for _, route in routes.children()] if routes is not None else []
+    if arena is None or any(route.plain_at((ARENA,)) is None for route in items):
+        return
+    written = (text.partition("=")[0].strip() for text in overrides)
+    unused = [(f"--set {field}", field) for field in written if field.split(".")[0] == ARENA]
+    leaves = ((path, node) for path, node in arena.walk((ARENA,)) if not any(node.children()))
+    unused += [(node.where, dotted(path)) for path, node in leaves if node.where.startswith(f"{file}:")]
+    if unused:
+        where, field = unused[0]
+        names = [str(route.plain_at(("name",))) for route in items]
+        each = f"{', '.join(names)} has" if len(names) > 1 else f"the route {names[0]} has"
+        raise InputError(
+            f"{field}: no route uses it, because {'each of ' if len(names) > 1 else ''}{each} an arena of its own",
+            where=where,
+            cure=f"set {ROUTES}.{names[0]}.{field} in its place, or leave it out (the file may name an arena alone,"
+            f" such as {ARENA}: symolo)",
+        )
 
 
 def with_each_arena(root: Node, change: Callable[[Node], Node]) -> Node:

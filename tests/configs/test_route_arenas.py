@@ -113,6 +113,62 @@ def test_a_setting_of_an_arena_that_a_later_name_replaces_is_refused():
         scenario("classroom", "routes.B.arena.line.width_m=0.02", "routes.B.arena=hall")
 
 
+@pytest.mark.parametrize(("first", "second"), [("1", "B"), ("B", "1")])
+def test_index_and_name_of_a_route_are_the_same_route(first, second):
+    """Whichever of the two comes first, the later name of an arena would discard the width of the line."""
+    with pytest.raises(InputError, match=f"discards the earlier --set routes.{first}.arena.line.width_m"):
+        scenario("classroom", f"routes.{first}.arena.line.width_m=0.02", f"routes.{second}.arena=hall")
+    loaded = scenario("classroom", f"routes.{first}.arena=hall", f"routes.{second}.arena.line.width_m=0.05")
+    assert loaded.tree["routes"][1]["arena"]["line"]["width_m"] == 0.05
+    assert loaded.tree["routes"][1]["arena"]["name"] == "hall"
+
+
+def test_a_list_that_replaces_an_earlier_setting_in_it_is_refused():
+    routes = "routes=[{name: B, start: {x_m: 0, y_m: 0, yaw_deg: 0}}]"
+    with pytest.raises(InputError, match=r"--set routes=.*discards the earlier --set routes.B.runs"):
+        scenario("classroom", "routes.B.runs=2", routes)
+    assert scenario("classroom", routes, "routes.B.runs=2").routes[0].runs == 2
+
+
+ALL_OWN = """
+extends: symolo
+{arena}
+routes:
+  - {{name: A, arena: symolo, start: {{x_m: 0.55, y_m: -0.20, yaw_deg: -90}}}}
+  - {{name: B, arena: classroom, start: {{x_m: -0.10, y_m: -0.15, yaw_deg: 0}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("arena", "overrides", "where", "setting"),
+    [
+        ("arena: {line: {width_m: 0.04}}", (), "own.yaml:3", "line.width_m"),
+        ("arena: {obstacles: []}", (), "own.yaml:3", "obstacles"),
+        ("", ("arena.line.width_m=0.04",), "--set arena.line.width_m", "line.width_m"),
+        ("", ("arena=hall",), "--set arena", ""),
+    ],
+)
+def test_settings_of_an_arena_that_no_route_uses_are_refused(arena, overrides, where, setting):
+    Path("own.yaml").write_text(ALL_OWN.format(arena=arena))
+    with pytest.raises(InputError) as caught:
+        load_scenario("own.yaml", overrides)
+    told = str(caught.value)
+    assert told.startswith(where)
+    assert "no route uses it, because each of A, B has an arena of its own" in told
+    dot = "." if setting else ""
+    assert f"set routes.A.arena{dot}{setting}" in told
+
+
+def test_an_arena_of_the_scenario_that_no_route_uses_may_be_inherited():
+    Path("own.yaml").write_text(ALL_OWN.format(arena=""))
+    assert len(load_scenario("own.yaml").routes) == 2
+
+
+def test_the_arena_of_the_scenario_may_have_settings_if_one_route_uses_it():
+    Path("own.yaml").write_text(ALL_OWN.format(arena="arena: {line: {width_m: 0.04}}").replace("arena: symolo, ", ""))
+    assert load_scenario("own.yaml").tree["arena"]["line"]["width_m"] == 0.04
+
+
 def test_a_route_without_an_arena_of_its_own_has_no_fields_of_it():
     with pytest.raises(InputError, match="the route has no arena of its own; name one first") as caught:
         scenario("classroom", "routes.A.arena.line.width_m=0.02")
