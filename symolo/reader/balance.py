@@ -86,10 +86,16 @@ class Balance:
         return split.arenas.intersection(set().union(*others))
 
     @property
+    def has_images(self) -> bool:
+        """Whether a split has images; a dataset that is simulated with `camera_hz: 0` has none."""
+        return any(split.images for split in self.splits)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What makes results of the splits hard to compare, one sentence each without its full stop."""
         texts = [NEIGHBOURS_WARNING] if self.by == "image" else []
-        texts += [f"the {_splits([split.name])} has no images" for split in self.splits if not split.images]
+        if self.has_images:
+            texts += [f"the {_splits([split.name])} has no images" for split in self.splits if not split.images]
         for name in self.classes:
             without = [split.name for split in self.splits if split.images and not split.images_by_class[name]]
             texts += [f'no image of the {_splits(without)} shows the annotated class "{name}"'] if without else []

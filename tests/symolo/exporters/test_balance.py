@@ -122,3 +122,26 @@ def test_an_arena_that_differs_in_a_drawn_value_is_another_one(factor, in_anothe
     sign(root)
     rows = dict(balance(library.load(root)).rows)
     assert (rows["arenas"], rows["arenas that another split has too"]) == (["1", "1"], [in_another, in_another])
+
+
+def without_images(root, *runs):
+    for run in runs:
+        table = root / run / "data.csv"
+        header, *rows = table.read_text().splitlines()
+        assert header.split(",")[18] == "img"
+        emptied = (",".join([*row.split(",")[:18], "0", *row.split(",")[19:]]) for row in rows)
+        table.write_text("\n".join([header, *emptied]) + "\n")
+
+
+def test_a_dataset_without_images_has_no_warning_about_them_and_their_classes(divided, symolo, tmp_path, sign):
+    """With `camera_hz: 0` no image was meant to be made. If only one split has none, this is a warning."""
+    root = divided((), BY_RUN)
+    without_images(root, "CCW/test_1")
+    assert balance(library.load(root)).warnings == ('The split "test" has no images',)
+    without_images(root, "CW/test_1")
+    assert balance(library.load(root)).warnings == ()
+    sign(root)
+    symolo("report", root, "--out", tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert "Training, validation and test" in page
+    assert "classes are not known" not in page
