@@ -6,7 +6,7 @@ with the arena of each route as well, as if it stood at the top.
 
 from collections.abc import Callable, Sequence
 
-from symolo.core.errors import FaultList, InputError
+from symolo.core.errors import FaultList, InputError, apart
 from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 ROUTES, ARENA = "routes", "arena"
@@ -72,9 +72,11 @@ def with_route_arenas(root: Node, change: Callable[[Node, str], Node | None]) ->
     for index, route in enumerate(items):
         arena = route.child(ARENA)
         if arena is not None and arena.value is not None and isinstance(route.value, dict):
-            with faults.noted():
-                changed = change(arena, f"{ROUTES}.{index}.{ARENA}")
-                items[index] = Node({**route.value, ARENA: changed or arena}, route.where)
+            path = f"{ROUTES}.{index}.{ARENA}"
+            try:
+                items[index] = Node({**route.value, ARENA: change(arena, path) or arena}, route.where)
+            except InputError as error:
+                faults.faults += [fault.below(ARENA, path) for fault in apart(error)]
     faults.check()
     return Node({**root.value, ROUTES: Node(tuple(items), routes.where)}, root.where)
 

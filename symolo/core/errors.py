@@ -41,8 +41,18 @@ class InputError(Exception):
         if allowed:
             head += f"{';' if got is ... else ','} allowed: {allowed}"
         self.field = what.partition(":")[0]
+        self._parts = (what, where, got, allowed, nearest, cure)
         tail = [f"did you mean {nearest}"] if nearest else []
         super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
+
+    def below(self, section: str, path: str) -> "InputError":
+        """Return the same fault of a section that stands at another path of the file."""
+        key, dot, rest = self.field.partition(".")
+        if key != section:
+            return self
+        what, where, got, allowed, close, cure = self._parts
+        moved = path + dot + rest + what.removeprefix(self.field)
+        return InputError(moved, where=where, got=got, allowed=allowed, nearest=close, cure=cure)
 
 
 def _without_repetition(what: str, where: str) -> str:

@@ -99,6 +99,31 @@ def test_faults_name_the_route():
     assert "routes.1.start: the robot of route B would start inside obstacle box" in fault(box)
 
 
+@pytest.mark.parametrize(
+    ("settings", "field", "problem"),
+    [
+        ("line: {course: {points: [[0, 0], [0.001, 0], [1, 1]]}}", "line.course", ""),
+        ("line: {course: {points: [[0, 0], {uniform: [0, 1]}]}}", "line.course.points.1", ""),
+        ("polygons: [{name: P, points: [[0, 0], [1, 0]], robot_is: right}]", "polygons.0.robot_is", "allowed"),
+        (
+            "assets: x\nobstacles: [{name: M, center: [0, 0], mesh: {file: m.stl}}]",
+            "obstacles.0.mesh.file",
+            "has no triangles",
+        ),
+        ("extends: nowhere", "extends", "allowed"),
+    ],
+)
+def test_faults_in_courses_polygons_and_mesh_files_name_the_route(settings, field, problem):
+    Path("x").mkdir()
+    Path("x/m.stl").write_text("solid empty\nendsolid empty\n")
+    base = "" if settings.startswith("extends") else "extends: symolo\n"
+    Path("room.yaml").write_text(f"{base}{settings}\n")
+    text = fault("room.yaml")
+    assert f"routes.1.arena.{field}" in text
+    assert " arena." not in text
+    assert problem in text
+
+
 def test_the_wrong_arenas_of_all_routes_are_named():
     text = ROUTES.replace("ARENA", "hal").replace("yaw_deg: -90}}", "yaw_deg: -90}, arena: {extends: clasroom}}")
     Path("rooms.yaml").write_text(text)
