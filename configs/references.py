@@ -217,5 +217,7 @@ def resolve_camera(node: Node, folder: Path) -> Node:
         camera = resolve("camera", node, folder, prefix=("look", "camera"))
     else:
         return node
-    # With its defaults, nothing remains of a camera that it is merged over.
-    return with_defaults(camera, Shape.of(CameraLook))
+    # With its defaults, nothing remains of a camera that it is merged over, nor of a field that is absent by default.
+    complete = with_defaults(camera, Shape.of(CameraLook))
+    absent = {name: Node(None, camera.where) for name in CameraLook.model_fields}
+    return merge(Node(absent, camera.where), complete)

@@ -2,7 +2,7 @@
 
 import json
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,10 @@ from configs.schema.appearance.camera_look import CameraLook
 from configs.schema.scenario import SceneSpec
 from symolo.core.yaml.tree import Node
 
+MAX_OPTION = 120
+"""Largest number of characters of an option that is typed rather than read from a file."""
+_YAML_WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"})
+"""Words that some readers of YAML take for something else than text."""
 _GREY = "monochrome"
 _MANUAL = "manual_exposure"
 
@@ -63,36 +67,51 @@ def _remedy(pairs: Sequence[tuple[CameraLook, CameraLook]]) -> str:
     """
     first = _fields(pairs[0][0])
     differing = [name for name in first if any(_fields(old)[name] != first[name] for old, _ in pairs)]
-    settings: dict[str, None] = {}
+    settings: dict[str, str] = {}
     if pairs[0][0].name in shipped_names("camera"):
-        settings[f"{CAMERA}={pairs[0][0].name}"] = None
+        settings["extends"] = _yaml(pairs[0][0].name)
     for old, new in pairs:
         base = _shipped(old.name) if old.name in shipped_names("camera") else new
-        settings |= dict.fromkeys(_settings(old, base, differing))
+        settings |= _settings(old, base, differing)
     if not settings:
         return ""
-    options = shlex.join([word for text in settings for word in ("--set", text)])
+    option = f"--set {shlex.quote(_override(settings))}"
+    if len(option) > MAX_OPTION:
+        ending = " with its values" if differing else ""
+        copied = "copy the value of look.camera in side/spec.json of a run into camera.yaml"
+        return f"; {copied}; --set {CAMERA}=camera.yaml keeps it{ending}"
     lost = f", except for what is not the same in all runs: {', '.join(differing)}" if differing else ""
-    return f"; {options} keeps it{lost}"
+    return f"; {option} keeps it{lost}"
 
 
-def _settings(old: CameraLook, base: CameraLook, left_out: Sequence[str]) -> Iterator[str]:
-    """Yield settings that change one camera into an old one, except for the fields that are left out."""
+def _override(settings: Mapping[str, str]) -> str:
+    """Return one override of the camera with all of these settings, whose values are YAML."""
+    if len(settings) > 1:
+        return f"{CAMERA}={{{', '.join(f'{name}: {value}' for name, value in settings.items())}}}"
+    ((name, value),) = settings.items()
+    return f"{CAMERA}={value}" if name == "extends" else f"{CAMERA}.{name}={value}"
+
+
+def _settings(old: CameraLook, base: CameraLook, left_out: Sequence[str]) -> dict[str, str]:
+    """Return settings that change one camera into an old one, except for the fields that are left out."""
     fields, there = _fields(old), _fields(base)
+    settings: dict[str, str] = {}
     for name in fields:
         if name in left_out or fields[name] == there[name]:
             continue
+        settings[name] = _yaml(fields[name])
         if name == _MANUAL and (manual := old.manual_exposure) is not None:
             unset = {field: info.default for field, info in type(manual).model_fields.items()}
             before = there[name] or unset
-            for field, value in fields[name].items():
-                if value != before[field]:
-                    yield f"{CAMERA}.{name}.{field}={_yaml(value)}"
-        else:
-            yield f"{CAMERA}.{name}={_yaml(fields[name])}"
+            changed = (f"{field}: {_yaml(value)}" for field, value in fields[name].items() if value != before[field])
+            settings[name] = f"{{{', '.join(changed)}}}"
+    return settings
 
 
 def _yaml(value: str | float | None) -> str:
+    """Return a value as YAML, a word without quotation marks."""
+    if isinstance(value, str) and value.isidentifier() and value.lower() not in _YAML_WORDS:
+        return value
     return json.dumps(int(value) if isinstance(value, float) and value.is_integer() else value)
 
 

@@ -1,5 +1,7 @@
 """Cameras of a look that are named or extended, in files and on the command line."""
 
+from pathlib import Path
+
 import pytest
 
 from configs.draw import draw_all
@@ -18,6 +20,18 @@ def test_a_named_camera_replaces_all_settings_of_the_look(name):
     camera_look = camera("look=garage", f"look.camera={name}")
     assert camera_look.name == name
     assert camera_look == camera("look=night", f"look.camera={name}")
+
+
+def test_nothing_of_the_camera_of_the_look_remains_in_that_of_a_file_which_leaves_out_name_and_exposure(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text("vignetting: 0.3\n")
+    over_lab = camera("look=lab", "look.camera.manual_exposure={iso: 200}", "look.camera.exposure_time_s=0.01")
+    assert (over_lab.name, over_lab.manual_exposure.iso) == ("raspberry_pi", 200)
+    Path("look.yaml").write_text("extends: lab\ncamera: mine.yaml\n")
+    for mine in (camera("look=lab", "look.camera=mine.yaml"), camera("look=look.yaml")):
+        assert mine == CameraLook(vignetting=0.3)
 
 
 def test_a_setting_after_the_name_changes_that_setting_only():
