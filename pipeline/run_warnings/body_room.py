@@ -1,10 +1,11 @@
 """Bodies that are too close to the line, or to the path past an obstacle, for the size of the robot."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
+from configs.arena_generation.clearance import distance_to
 from configs.schema.controller import Avoidance
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
@@ -29,24 +30,30 @@ def too_close(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
     poses = _line_poses(line)
     if np.cos(poses[_nearest(poses, spec), 2] - math.radians(spec.start.yaw_deg)) < 0:
         poses = poses[::-1] + np.array([0.0, 0.0, math.pi])
-    body_m = (spec.robot.chassis.length_m, spec.robot.chassis.width_m)
     bodies = [(f"wall {wall.name}", wall_footprint(wall)) for wall in spec.arena.walls]
     still = (box for box in spec.arena.obstacles if box.motion is None and box.mesh is None and box.solid)
     bodies += [(f"obstacle {box.name}", obstacle_footprint(box)) for box in still]
     for name, body in bodies:
         inside = _contains(body, poses)
         if not inside.any():
-            if _touch(body_m, poses, body):
-                yield Suspicion(f"beside {name}", _beside(spec.robot, name))
+            yield from _beside(spec.robot, name, body, poses)
         elif name.startswith("obstacle") and spec.robot.controller.avoidance.curves is None:
             yield from _passed(spec.robot, name, body, poses, int(np.argmax(inside)))
 
 
-def _beside(robot: RobotConfig, name: str) -> str:
-    chassis = robot.chassis
-    return (
-        f"the body of the robot, {chassis.length_m:g} m x {chassis.width_m:g} m, touches {name} if it follows the line:"
-        " move one of them (a random arena keeps arena.generate.clearance.beside_m free on both sides of the line)"
+def _beside(robot: RobotConfig, name: str, other: Rectangle, poses: Array) -> Iterator[Suspicion]:
+    """Yield a wall or obstacle that the body touches or nearly touches, as with a corner that swings out in a bend."""
+    body_m, reserve_m = (robot.chassis.length_m, robot.chassis.width_m), RESERVE * robot.chassis.width_m
+    room_m, at = _room_m(body_m, poses, other, reserve_m)
+    if room_m >= reserve_m:
+        return
+    comes = f"leaves {math.floor(1000.0 * room_m)} mm between itself and" if room_m >= 0.0 else "touches"
+    needs = f", and the control needs about {1000.0 * reserve_m:.0f} mm" if room_m >= 0.0 else ""
+    yield Suspicion(
+        f"beside {name}",
+        f"the body of the robot, {body_m[0]:g} m x {body_m[1]:g} m, {comes} {name} if it follows the line, at"
+        f" x = {poses[at, 0]:.2f}, y = {poses[at, 1]:.2f} m{needs}: move one of them (a random arena keeps"
+        " arena.generate.clearance.beside_m free on both sides of the line)",
     )
 
 
@@ -63,11 +70,13 @@ def _passed(robot: RobotConfig, name: str, box: Rectangle, poses: Array, first: 
         return
     start = (x - before_m * math.cos(yaw), y - before_m * math.sin(yaw), yaw)
     reserve_m = RESERVE * robot.chassis.width_m
-    room_m = _room_m(avoidance, start, body_m, box, reserve_m)
+    room_m, _ = _room_m(body_m, _path_poses(avoidance, start), box, reserve_m)
     if room_m >= reserve_m:
         return
     body = f"the body of the robot ({body_m[0]:g} m x {body_m[1]:g} m)"
-    enough = f"leaves {1000.0 * room_m:.0f} mm between it and {body}, which needs about {1000.0 * reserve_m:.0f} mm"
+    enough = (
+        f"leaves {math.floor(1000.0 * room_m)} mm between it and {body}, which needs about {1000.0 * reserve_m:.0f} mm"
+    )
     yield Suspicion(
         f"path past {name}",
         f"the path past {name}, {avoidance.side_m:g} m beside the line,"
@@ -77,40 +86,42 @@ def _passed(robot: RobotConfig, name: str, box: Rectangle, poses: Array, first: 
     )
 
 
-def _room_m(
-    avoidance: Avoidance, start: tuple[float, float, float], body_m: tuple[float, float], box: Rectangle, max_m: float
-) -> float:
-    """Return the room [m], in steps of 1 mm up to about `max_m`, beside the body on the path; -1 if it touches."""
+def _path_poses(avoidance: Avoidance, start: tuple[float, float, float]) -> Array:
+    """Return poses (N, 3) on the path on the left of an obstacle, which begins at a pose."""
     points = straight_path(avoidance, "left").points
     spaced = points[:: max(1, round(len(points) * SPACING_M / avoidance.along_length_m / 4))]
     steps = np.gradient(spaced, axis=0)
     c, s = math.cos(start[2]), math.sin(start[2])
     place = start[:2] + spaced @ np.array([[c, s], [-s, c]])
-    poses = np.column_stack([place, start[2] + np.arctan2(steps[:, 1], steps[:, 0])])
-    if not _touch((body_m[0] + 2.0 * max_m, body_m[1] + 2.0 * max_m), poses, box):
-        return max_m
-    room_m = -1.0
-    for grown_m in np.arange(0.0, max_m, 0.001):
-        if _touch((body_m[0] + 2.0 * grown_m, body_m[1] + 2.0 * grown_m), poses, box):
-            break
-        room_m = float(grown_m)
-    return room_m
+    return np.column_stack([place, start[2] + np.arctan2(steps[:, 1], steps[:, 0])])
 
 
-def _touch(body_m: tuple[float, float], poses: Array, other: Rectangle) -> bool:
-    """Return whether a body of this length and width at any of the poses (N, 3) overlaps with a rectangle."""
-    reach_m = 0.5 * (math.hypot(*body_m) + math.hypot(*other.size))
-    near: Sequence[Sequence[float]] = poses[np.hypot(*(poses[:, :2] - other.center).T) < reach_m].tolist()
-    return any(overlap(Rectangle((x, y), body_m, yaw), other) for x, y, yaw in near)
+def _room_m(body_m: tuple[float, float], poses: Array, other: Rectangle, enough_m: float) -> tuple[float, int]:
+    """Return the smallest room [m] between a rectangle and a body at the poses (N, 3), and the number of its pose.
+
+    The room is -1 where they overlap, and infinite if it is nowhere below `enough_m`.
+    """
+    corners, smallest = np.array(other.corners()), (math.inf, 0)
+    near = distance_to(other, poses[:, :2]) < 0.5 * math.hypot(*body_m) + enough_m
+    for index in np.flatnonzero(near).tolist():
+        x, y, yaw = poses[index].tolist()
+        body = Rectangle((x, y), body_m, yaw)
+        if overlap(body, other):
+            return -1.0, index
+        # Two convex outlines that do not overlap are nearest at a corner of one of them.
+        room_m = min(distance_to(other, np.array(body.corners())).min(), distance_to(body, corners).min())
+        smallest = min(smallest, (float(room_m), index))
+    return smallest if smallest[0] < enough_m else (math.inf, 0)
 
 
 def _line_poses(line: Line) -> Array:
     """Return poses (N, 3) along the line, in the order of its pieces."""
     parts = []
     for piece in line.pieces:
-        points = piece.at(np.linspace(0.0, piece.length_m, 2 + int(piece.length_m / SPACING_M)))
-        steps = np.gradient(points, axis=0)
-        parts.append(np.column_stack([points, np.arctan2(steps[:, 1], steps[:, 0])]))
+        along_m = np.linspace(0.0, piece.length_m, 2 + int(piece.length_m / SPACING_M))
+        points = piece.at(along_m)
+        left = piece.at(along_m, 1.0) - points
+        parts.append(np.column_stack([points, np.arctan2(-left[:, 0], left[:, 1])]))
     return np.concatenate(parts)
 
 

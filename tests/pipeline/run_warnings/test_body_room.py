@@ -1,5 +1,9 @@
 """Walls and obstacles that are too close for the size of the robot."""
 
+import math
+import re
+
+import numpy as np
 import pytest
 
 from configs.draw import draw_all
@@ -58,11 +62,14 @@ def test_enough_room_and_obstacles_that_move_or_are_not_solid_get_no_warning(wid
     assert warnings_of(width_m, **given) == ()
 
 
-@pytest.mark.parametrize(("y_m", "is_touched"), [(0.15, True), (0.17, False)])
-def test_a_body_that_touches_what_is_beside_the_line_is_named(y_m, is_touched):
-    """Half of the width is 0.11 m, half of the box is 0.05 m."""
+@pytest.mark.parametrize(
+    ("y_m", "texts"), [(0.15, ["touches"]), (0.1701, ["leaves 10 mm between itself and"]), (0.183, [])]
+)
+def test_a_body_that_touches_what_is_beside_the_line_or_has_little_room_is_named(y_m, texts):
+    """Half of the width is 0.11 m, half of the box is 0.05 m; a tenth of the width is needed."""
     warnings = warnings_of(0.22, box=BOX.replace("0.0]", f"{y_m}]"))
-    assert [("touches obstacle Box if it follows the line" in text) for text in warnings] == [True] * is_touched
+    assert len(warnings) == len(texts)
+    assert all(f"{text} obstacle Box if it follows the line" in warnings[0] for text in texts)
 
 
 def test_a_wall_that_the_body_touches_is_named():
@@ -70,3 +77,58 @@ def test_a_wall_that_the_body_touches_is_named():
     wall = ", walls: [{name: W, start: [1.8, 0.1], end: [0.3, 0.1], surface: wood}]"
     (warning,) = warnings_of(0.22, arena=wall)
     assert "touches wall W if it follows the line" in warning
+
+
+BEND_M = 0.3
+"""Radius of a bend to the left about (0.5, 0.3), after a straight along x."""
+
+
+def warnings_in_a_bend(distance_m, *, inside=False, settings=()):
+    """Return the warnings about a wall across the line from the centre of the bend to its middle."""
+    out = np.array([1.0, -1.0]) / math.sqrt(2)
+    along = np.array([1.0, 1.0]) / math.sqrt(2)
+    middle = (0.5, 0.3) + distance_m * out
+    ends = [middle - 0.02 * along, middle + 0.02 * along]
+    start, end = [end.tolist() for end in (ends[::-1] if inside else ends)]
+    straight = "{kind: straight, start: [0, 0], end: [0.5, 0]}"
+    bend = f"{{kind: arc, center: [0.5, 0.3], radius_m: {BEND_M}, start_deg: -90, end_deg: 0}}"
+    line = f"line: {{width_m: 0.02, pieces: [{straight}, {bend}]}}"
+    wall = f"walls: [{{name: W, start: {start}, end: {end}, surface: wood}}]"
+    arena = f"arena={{name: a, floor: {{half_extent_m: 2}}, {line}, {wall}, obstacles: []}}"
+    routes = "routes=[{name: E, start: {x_m: 0.1, y_m: 0, yaw_deg: 0}}]"
+    body = ("robot.chassis.length_m=0.2", "robot.chassis.width_m=0.16")
+    overrides = [routes, arena, *body, "stop={lap: false, time_limit_s: 2}", *settings]
+    return plan_warnings(draw_all(load_scenario("smoke", overrides)))
+
+
+REACH_M = math.hypot(BEND_M + 0.08, 0.1)
+"""Distance of the outer corners of the body from the centre of the bend: sqrt((r + w)^2 + l^2)."""
+
+
+@pytest.mark.parametrize(
+    ("room_m", "text"),
+    [
+        (-0.001, "touches wall W"),
+        (0.0031, "leaves 3 mm between itself and"),
+        (0.0152, "leaves 15 mm"),
+        (0.017, ""),
+    ],
+)
+def test_the_corners_of_the_body_swing_out_in_a_bend(room_m, text):
+    """A tenth of the width, 16 mm, is needed. Without the corners, the body would reach 0.38 m, which is 13 mm less."""
+    assert math.isclose(REACH_M, 0.38 + 0.0129, abs_tol=1e-4)
+    warnings = warnings_in_a_bend(REACH_M + room_m)
+    assert len(warnings) == bool(text)
+    if text:
+        assert text in warnings[0]
+        place = re.search(r"at x = ([0-9.]+), y = ([0-9.-]+) m", warnings[0])
+        assert place is not None
+        x, y = map(float, place.groups())
+        assert math.hypot(x - 0.5, y - 0.3) == pytest.approx(BEND_M, abs=0.01)  # on the bend, in steps of 1 cm
+        assert math.degrees(math.atan2(y - 0.3, x - 0.5)) == pytest.approx(-45.0, abs=25.0)
+
+
+@pytest.mark.parametrize(("room_m", "is_named"), [(-0.001, True), (0.0152, True), (0.017, False)])
+def test_the_inner_side_of_the_body_is_beside_the_bend(room_m, is_named):
+    """A wall of 4 cm inside the bend, whose ends are farther away than its middle: r - w from the centre."""
+    assert len(warnings_in_a_bend(BEND_M - 0.08 - room_m, inside=True)) == is_named

@@ -192,7 +192,8 @@ def test_a_plan_names_a_wall_across_the_line():
     course = "arena.line.course={points: [[-0.7, -0.6], [0.7, -0.6], [0.7, 0.6], [-0.7, 0.6]], bend_radius_m: 0.3}"
     route = "routes=[{name: CW, start: {x_m: 0.0, y_m: -0.6, yaw_deg: 0}, runs: 1}]"
     (spec,) = draw_all(load_scenario("symolo", [course, route]))
-    (warning,) = plan_warnings([spec])
+    warning, beside = plan_warnings([spec])
+    assert "between itself and wall A2" in beside
     named = re.match(r"CW/test_1: the line leads through wall B at x = (-0\.\d\d), y = (-0\.\d\d) m", warning)
     assert named is not None
     x, y = map(float, named.groups())
