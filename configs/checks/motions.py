@@ -12,6 +12,8 @@ from symolo.core.yaml.tree import FieldPath
 MAX_SPEED_M_S = 2.0
 """Ten times the robot's speed, and 2 mm per step at 1000 Hz."""
 MAX_SPEED_DEG_S = 360.0
+LARGE_M = 3.0
+"""Size of an obstacle from which on a message states it, because it is probably in cm."""
 
 
 def motion_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
@@ -79,10 +81,18 @@ def _floor_faults(obstacle: Obstacle, path: FieldPath, limit_m: float) -> Iterat
             yield ConfigFault(at, "leads beyond the edge of the floor", place.center, allowed, cure=cure)
 
 
+def sized_name(obstacle: Obstacle) -> str:
+    """Return the name of an obstacle for messages, with its size if that is larger than usual, probably in cm."""
+    length_m, width_m, height_m = obstacle.size
+    shown = f" of {length_m:g} m x {width_m:g} m x {height_m:g} m (sizes are in metres)"
+    size = shown if max(obstacle.size) >= LARGE_M else ""
+    return f"obstacle {obstacle.name}{size}"
+
+
 def _collision_faults(obstacle: Obstacle, path: FieldPath, arena: ArenaConfig) -> Iterator[ConfigFault]:
     walls = [(f"wall {w.name}", wall_footprint(w)) for w in arena.walls if math.dist(w.start, w.end) > 0]
     others = [o for o in arena.obstacles if o.motion is None]
-    standing = walls + [(f"obstacle {o.name}", obstacle_footprint(o)) for o in others]
+    standing = walls + [(sized_name(o), obstacle_footprint(o)) for o in others]
     for index, ((_, a), (_, b)) in enumerate(pairwise(stations(obstacle))):
         outlines = swept(a, b)
         for name, body in standing:

@@ -8,6 +8,7 @@ from configs.checks.arena import arena_faults
 from configs.checks.cameras import camera_faults, image_faults, lens_faults
 from configs.checks.generated_room import generated_room_faults
 from configs.checks.look import look_faults
+from configs.checks.motions import sized_name
 from configs.checks.motor_strength import strength_faults
 from configs.checks.robot import robot_faults
 from configs.robot_sensors import SensorSettings
@@ -167,7 +168,7 @@ def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: Fi
             yield _blocked(route, path, f"wall {wall.name}")
     for obstacle in arena.obstacles:
         if obstacle.solid and overlap(body, obstacle_footprint(obstacle)):
-            yield _blocked(route, path, f"obstacle {obstacle.name}")
+            yield _blocked(route, path, sized_name(obstacle))
 
 
 def _blocked(route: Route, path: FieldPath, name: str) -> ConfigFault:

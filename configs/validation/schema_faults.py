@@ -24,7 +24,12 @@ NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pi
 """Keys of an arena by which users try to describe a floor that is no plane."""
 IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz"})
 """Keys by which users try to give the rate of the images of data.csv."""
-OTHER_NAMES = (("radius", "diameter", "write twice the radius"), ("diameter", "radius", "write half of the diameter"))
+OTHER_NAMES = (
+    ("radius", "diameter", "write twice the radius"),
+    ("diameter", "radius", "write half of the diameter"),
+    ("pitch_down", "pitch_up", "change the sign"),
+    ("pitch_up", "pitch_down", "change the sign"),
+)
 """Words in the names of keys, the words of the fields that have the other measure, and what to write there."""
 OWN_SENSOR = "a kind of your own needs its file: symolo --sensor-file FILE ..."
 FLAT_FLOOR = (
@@ -123,8 +128,19 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     elif not close and len(missing) == 1 and missing == known:
         close = missing[0]
     elif not close:
-        close = dotted(shape.first_places.get(key, ()))
+        close, cure = _elsewhere(above, key, root, shape)
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
+
+
+def _elsewhere(above: FieldPath, key: str, root: Node, shape: Shape) -> tuple[str, str]:
+    """Return the path of a field for which an unknown key stands in the wrong section, and what to do about it."""
+    here, node = shape.at(above, root) or shape, root.at(above)
+    for section in here.known_keys(node):
+        inner, field = here.child(section, node), key.removeprefix(f"{section}_")
+        if inner is not None and field != key and field in inner.known_keys():
+            return dotted((*above, section, field)), ""
+    place = shape.first_places.get(key, ())
+    return ("", f"write {key} at the top of the scenario") if len(place) == 1 else (dotted(place), "")
 
 
 def _other_measure(key: str, node: Node | None, known: list[str]) -> tuple[str, str]:

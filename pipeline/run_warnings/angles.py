@@ -45,7 +45,7 @@ def settings_in_radians(spec: RunSpec) -> Iterator[Suspicion]:
             continue
         limit, reason = next((rest[1:] for rest in TOO_SMALL if re.fullmatch(rest[0], field)), (0.0, ""))
         beside = field in SIDE_MOUNTS and MIN_SIDE_RAD < abs(value) < MAX_SIDE_RAD
-        is_round = _ANGLE.fullmatch(field) is not None and _is_round_in_radians(value, field)
+        is_round = _ANGLE.fullmatch(field) is not None and is_round_in_radians(value, field)
         if 0.0 < value <= limit:
             yield in_radians(field, value, reason)
         elif beside or is_round:
@@ -64,7 +64,7 @@ def _scans_in_radians(spec: RunSpec) -> Iterator[Suspicion]:
                 yield in_radians(field, lidar.ray_step_deg, reason)
 
 
-def _is_round_in_radians(angle: float, field: str) -> bool:
+def is_round_in_radians(angle: float, field: str) -> bool:
     """Return whether a number is a round angle up to a whole turn, in radians, to the last of its decimals."""
     decimals = len(f"{angle:.6g}".partition(".")[2])
     round_rad = ROUND_RAD.get(min(decimals, max(ROUND_RAD)))

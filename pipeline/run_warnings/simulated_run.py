@@ -11,7 +11,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.following import MAX_ERROR, follow
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.wheel_loop import voltage_limit_V
-from pipeline.run_warnings.angles import in_radians, settings_in_radians
+from pipeline.run_warnings.angles import in_radians, is_round_in_radians, settings_in_radians
 from pipeline.run_warnings.body_room import too_close
 from pipeline.run_warnings.commanded_speed import commanded_in_other_units
 from pipeline.run_warnings.own_shadow import shadows_without_robot
@@ -212,10 +212,12 @@ def _without_the_line(spec: RunSpec, line: Line, recording: Recording) -> Iterat
 def _in_radians(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
     """Yield the angles of the start and of settings whose numbers are probably radians."""
     yaw = spec.start.yaw_deg
-    if line.pieces and 0.0 < abs(yaw) <= 2.0 * pi:
+    if line.pieces and 0.0 < abs(yaw) <= 2.0 * pi + 0.01:
         _, along = _nearest(line, spec)
         if _angle(along, radians(yaw)) > ACROSS_RAD and _angle(along, yaw) < ALONG_RAD:
             yield in_radians("yaw_deg", yaw, "as degrees, the start leads away from the line")
+        elif "start.yaw_deg" not in spec.drawn and is_round_in_radians(yaw, "yaw_deg"):
+            yield in_radians("yaw_deg", yaw)
     yield from settings_in_radians(spec)
 
 

@@ -74,6 +74,20 @@ CASES = {
     "diameter of the caster": robot(
         "drive: {caster_diameter_m: 0.02} #!", "robot.drive.caster_diameter_m", "mean caster_radius_m; write half"
     ),
+    "pitch of the other sign": robot(
+        "sensors: {left: {kind: camera, pitch_down_deg: 25}} #!",
+        "robot.sensors.left.pitch_down_deg",
+        "did you mean pitch_up_deg; change the sign",
+    ),
+    "key with the name of its section": look(
+        "sun_elevation_deg: 20 #!", "look.sun_elevation_deg", "did you mean look.sun.elevation_deg"
+    ),
+    "section of the scenario in a route": Bad(
+        "yaw_deg: -90}, runs: 2}",
+        "yaw_deg: -90}, runs: 2, stop: {lap: true}} #!",
+        "routes.0.stop",
+        "write stop at the top of the scenario",
+    ),
     "field of view as an abbreviation": robot(
         "camera: {fov_deg: 70} #!", "robot.camera.fov_deg", "did you mean field_of_view_deg"
     ),

@@ -304,6 +304,9 @@ def test_a_robot_starts_beside_walls_and_obstacles_and_not_in_them(robot):
     blocked = "the robot of route A would start inside"
     assert start_faults(robot, made, 0.5 - 0.09 + LITTLE, 0.0, 0) == [f"{blocked} wall W"]
     assert start_faults(robot, made, -0.4 + 0.09 - LITTLE, 0.0, 0) == [f"{blocked} obstacle O"]
+    in_cm = arena(obstacles=[{"name": "O", "center": (-0.5, 0.0), "size": (20, 10, 20)}])
+    size = "20 m x 10 m x 20 m (sizes are in metres)"
+    assert start_faults(robot, in_cm, 0.0, 0.0, 0) == [f"{blocked} obstacle O of {size}"]
 
 
 def test_a_window_leaves_a_lintel_of_10_cm_and_glass_of_20_cm(look):

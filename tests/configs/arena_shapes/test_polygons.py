@@ -30,6 +30,25 @@ def test_the_bodies_are_on_the_side_where_the_robot_is_not(points, robot, outwar
         assert box.size[:2] == pytest.approx((2.0, 0.02))
 
 
+@pytest.mark.parametrize("robot", ["inside", "outside", "left"])
+def test_a_polygon_that_crosses_itself_is_refused(robot):
+    """It has no inside, and a robot is not to the left of all walls. The sides that cross are the diagonals."""
+    bow_tie = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]]
+    row = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]
+    with pytest.raises(InputError) as caught:
+        walls(points=row if robot == "left" else bow_tie, robot_is=robot)
+    sides = "1 and 3" if robot == "left" else "2 and 4"
+    assert f"arena.polygons.0.points: the sides {sides} cross" in str(caught.value)
+    assert "list the corners in their order around the polygon" in str(caught.value)
+
+
+def test_a_polygon_may_have_a_bay_and_touch_itself():
+    bay = [[-1, -1], [1, -1], [1, 1], [0.5, 1], [0.5, 0], [-0.5, 0], [-0.5, 1], [-1, 1]]
+    assert len(walls(points=bay)) == 8
+    keyhole = [[-1, -1], [1, -1], [1, 1], [0, 1], [0, 0], [0.2, 0], [0.2, -0.2], [0, -0.2], [0, 0], [0, 1], [-1, 1]]
+    assert len(walls(points=keyhole)) == 11
+
+
 def test_an_open_row_has_no_wall_from_its_end_to_its_start():
     row = walls(points=SQUARE[:3], robot_is="left", height_m=0.3, surface="wood")
     assert [(wall["start"], wall["end"]) for wall in row] == [(SQUARE[0], SQUARE[1]), (SQUARE[1], SQUARE[2])]

@@ -44,6 +44,19 @@ def test_a_start_in_radians_is_named_with_the_number_in_degrees(yaw, degrees):
     assert f"write yaw_deg: {degrees}" in unit
 
 
+@pytest.mark.parametrize(("yaw", "degrees"), [(3.14, 180), (3.1416, 180), (6.2832, 360)])
+def test_a_start_along_the_line_in_either_unit_is_named_if_it_is_half_a_turn_in_radians(yaw, degrees):
+    """The line leads along x at the start, so that both 3.14 degrees and half a turn are along it."""
+    course = "arena.line.course={points: [[-0.7, -0.6], [0.7, -0.6], [0.7, 0.6], [-0.7, 0.6]], bend_radius_m: 0.3}"
+    route = f"routes=[{{name: CW, start: {{x_m: 0.0, y_m: -0.6, yaw_deg: {yaw}}}, runs: 1}}]"
+    bare = ("arena.walls=[]", "arena.obstacles=[]")
+    (warning,) = plan_warnings(draw_all(load_scenario("symolo", [*bare, course, route])))
+    assert f"yaw_deg {yaw:g} looks like radians; if it is in radians, write yaw_deg: {degrees}" in warning
+    for degrees_away in (3.0, 177.0, 3.5):
+        other = route.replace(f"yaw_deg: {yaw}", f"yaw_deg: {degrees_away}")
+        assert plan_warnings(draw_all(load_scenario("symolo", [*bare, course, other]))) == ()
+
+
 @pytest.mark.parametrize(
     ("setting", "field", "angle", "degrees"),
     [
