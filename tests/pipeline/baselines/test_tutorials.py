@@ -1,4 +1,4 @@
-"""What docs/tutorials and docs/baselines.md tell people to type: what is quick is run as it stands there."""
+"""Commands of docs/tutorials and of the pages on baselines: what is quick is run as it stands there."""
 
 import re
 import shlex
@@ -10,7 +10,7 @@ import pytest
 from pipeline.cli import main
 
 DOCS = Path(__file__).parents[3] / "docs"
-PAGES = (DOCS / "baselines.md", *sorted((DOCS / "tutorials").glob("*.md")))
+PAGES = (DOCS / "baselines.md", DOCS / "own_estimates.md", *sorted((DOCS / "tutorials").glob("*.md")))
 QUICK = {"status", "verify", "repair", "bag", "compare", "contact-sheet", "view", "export", "plan"}
 """Those that are run on a small release of the scenario `smoke`; `baselines` once more, in its own test."""
 IS_MADE = "release smoke --out data"
@@ -34,14 +34,14 @@ def at_work(dataset, tmp_path_factory):
                 (folder / named[1]).write_text(text)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        assert main(["baselines", "data", "--out", "found", "--methods", "odometry"]) == 0
+        assert main(["baselines", "data", "--out", "errors", "--methods", "odometry"]) == 0
     return folder
 
 
 def test_there_are_five_tutorials_with_commands():
     names = {"teacher", "student", "researcher", "release_engineer", "ci"}
-    assert {page.stem for page in PAGES} == names | {"baselines"}
-    assert {page.stem for page, _ in ALL} == names | {"baselines"}
+    assert {page.stem for page in PAGES} == names | {"baselines", "own_estimates"}
+    assert {page.stem for page, _ in ALL} == names | {"baselines", "own_estimates"}
     assert sum(command.startswith(IS_MADE) for _, command in ALL) == 3
 
 
