@@ -1,5 +1,8 @@
 """The table of all effects: those of the project, and those of files that a user loads."""
 
+import inspect
+
+from configs.effects.arguments import ARGUMENTS, takes_arguments
 from configs.effects.base import Effect, Slot
 from configs.families import Family, optional_sections
 from configs.schema.base import Section
@@ -30,6 +33,14 @@ def _check(effect: type[Effect], where: str) -> None:
     if effect.apply is Effect.apply:
         cure = "define apply(self, ...), with the arguments that `Slot` lists"
         raise InputError(f"effect {effect.name}: apply missing", where=where, cure=cure)
+    if not takes_arguments(effect):
+        allowed = f"(self, {ARGUMENTS[effect.slot]}) in Slot.{effect.slot.name}; the names are free"
+        raise InputError(
+            f"effect {effect.name}: arguments of apply",
+            where=where,
+            got=f"({', '.join(inspect.signature(effect.apply).parameters)})",
+            allowed=allowed,
+        )
     if all(parameter.null is None for parameter in effect.parameters().values()):
         cure = "annotate a field, for example offset_m: Annotated[float, Parameter('m', null=0.0, start=0.1, ...)]"
         raise InputError(f"effect {effect.name}: no parameter has a null value", where=where, cure=cure)

@@ -75,9 +75,6 @@ def place_and_text(error: BaseException, effect: type[Effect]) -> str:
     text = f"{type(error).__name__}: {error}"
     if call := last_call(error, effect.apply.__code__.co_filename):
         return f"apply fails in line {call.lineno}: {text}"
-    if isinstance(error, TypeError) and "apply()" in text:
-        how = f"`symolo effect new NAME --slot '{effect.slot}'` writes a file that takes them"
-        return f"apply takes other arguments than this slot passes: {text}; {how}"
     return f"the result of apply cannot be used: {text}; return the first argument, changed, in the same form"
 
 

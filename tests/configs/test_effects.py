@@ -1,5 +1,6 @@
 """Effects in files: names, bounds, what is inherited, and what the simulation refuses."""
 
+import json
 import math
 
 import numpy as np
@@ -13,6 +14,7 @@ from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFric
 from physics.effects.motor_and_gearbox.torque_constant_scale import TorqueConstantScale
 from physics.effects.motor_and_gearbox.viscous_friction_scale import ViscousFrictionScale
 from physics.effects.motor_and_gearbox.winding_resistance_scale import WindingResistanceScale
+from physics.effects.wheels_and_floor.floor_slope import FloorSlope
 from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale
 from sensors.effects.pose_log.marker_offset import MarkerOffset
 from symolo.core.distributions import Normal
@@ -97,3 +99,10 @@ def test_a_saturation_whose_ends_are_the_wrong_way_round_is_refused():
     with pytest.raises(InputError, match=r"robot\.effects\.line_adc_saturation\.low.*less than high, which is 0\.3"):
         load_scenario("smoke", ends)
     load_scenario("smoke", [ends[1], "robot.effects.line_adc_saturation.low=0.2"])
+
+
+def test_the_creep_on_the_spot_is_written_only_if_it_differs_from_that_on_a_line():
+    slope = FloorSlope(gradient=0.02, direction_rad=1.0)
+    assert json.loads(slope.model_dump_json()) == {"gradient": 0.02, "direction_rad": 1.0}
+    half = slope.model_copy(update={"on_the_spot": 0.5})
+    assert FloorSlope.model_validate_json(half.model_dump_json()) == half

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from configs.effects.arguments import ARGUMENTS
 from configs.effects.registry import EFFECTS
 from pipeline.cli import main
 from pipeline.effects.check import load_to_fit
@@ -91,7 +92,6 @@ BROKEN = [
     ("form", (RETURN, "pass"), "apply returns NoneType, and its first argument is ndarray"),
     ("form", (RETURN, "return current_A[..., 0]"), "apply fails in line 22: IndexError|of shape"),
     ("form", (RETURN, "return current_A if current_A > 1 else self.bend_per_A"), "apply fails in line 22: ValueError"),
-    ("form", ("self, current_A", "self, current_A, view"), "apply takes other arguments than this slot passes"),
     ("form", (RETURN, "raise SystemExit(3)"), "line 22: SystemExit: 3"),
     ("null", (RETURN, "return current_A * (1.0 + 1e-15)"), "at the null values the reading .*current_A changes by"),
     ("start", (RETURN, "return current_A + 0.0 * self.bend_per_A"), "at the start values no reading changes"),
@@ -194,6 +194,10 @@ def test_a_broken_rule_ends_with_exit_code_2(tmp_path, capsys):
         (("\nclass Bent", "\nclass One(Effect):\n    pass\n\n\nclass Bent"), "got 'One, BentShunt', allowed: one"),
         (('Annotated[float, Parameter("1/A", null=0.0, start=0.1, low=0.0, high=0.5)]', "float = 0.1"),
          r"bent_shunt\.py:12: effect bent_shunt: bend_per_A is no parameter; write bend_per_A: Annotated"),
+        (("self, current_A", "self, current_A, view"),
+         r"py:12: effect bent_shunt: arguments of apply: got '\(self, current_A, view\)', allowed: \(self, current_A\) in"),
+        (("Slot.CURRENT_READING", "Slot.CREEP"),
+         r"got '\(self, current_A\)', allowed: \(self, creep_m, rolled_m, middle_m\) in Slot\.CREEP"),
         ((", high=0.5", ""), r"bent_shunt\.py:18: effect file: TypeError: .*high"),
         (("import numpy as np", "import sys; sys.exit()"), r"bent_shunt\.py:6: effect file: SystemExit"),
         (("import numpy as np", "\0"), r"bent_shunt\.py: effect file: \w+: .*null bytes"),
@@ -258,3 +262,17 @@ def test_the_check_prints_nothing_of_the_engine_that_it_loads():
     ended = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
     assert "keeps every rule" in ended.stdout
     assert not ended.stderr
+
+
+@pytest.mark.parametrize("slot", list(LAWS))
+def test_a_new_file_takes_the_arguments_that_its_slot_lists(slot):
+    assert len(LAWS[slot].arguments.split(", ")) == len(ARGUMENTS[slot].split(", "))
+
+
+def test_an_effect_with_a_wrong_number_of_arguments_is_refused_before_a_drive(tmp_path, capsys):
+    path = tmp_path / "bent_shunt.py"
+    path.write_text(GOOD.replace("Slot.CURRENT_READING", "Slot.CREEP").replace("self, current_A", "self, a, b"))
+    words = ["simulate", "smoke", "--set", "robot.effects.bent_shunt.bend_per_A=0.1", "--out", str(tmp_path / "out")]
+    assert main(["--effect-file", str(path), *words]) == 2
+    assert "got '(self, a, b)', allowed: (self, creep_m, rolled_m, middle_m)" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
