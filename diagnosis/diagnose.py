@@ -193,26 +193,14 @@ def diagnose(
     """
     check_kind(measurement)
     progress = progress or unreported()
-    where = measurement.where
     base_robot = base_robot_of(measurement, nominal)
     robot = nominal_of(measurement, base_robot)
     measurement = checked_against(measurement, robot)
-    if measurement.cases:
-        stages = joint_stages(measurement, robot)
-        bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
-    else:
-        stages = STAGES[measurement.kind](measurement, robot)
-        bare = Hypothesis(robot, spreads_of(measurement, robot))
-    if not stages:
-        cure = "log voltages and counts, counts and poses, or poses and ranges"
-        raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
-    evidence = _evidence(stages, bare, progress)
-    if not evidence.fit.any():
-        raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
+    evidence, bare = _observations(measurement, robot, progress)
     bare = replace(bare, nuisances=(*bare.nuisances, *wheel_coupling(evidence, robot)))
-    bare, of_sessions = _with_sessions(measurement, evidence, bare)
+    bare, session_effects = _with_sessions(measurement, evidence, bare)
     library = candidates(measurement, evidence, bare)
-    library = replace(library, testable=tuple(e for e in library.testable if e.kind not in of_sessions))
+    library = replace(library, testable=tuple(e for e in library.testable if e.kind not in session_effects))
     evidence, bare, selection = selected_with_early_voltages(evidence, bare, library.testable)
     progress.begin(Phase.STRUCTURE)
     result = adequacy(evidence, selection.fit)
@@ -221,7 +209,7 @@ def diagnose(
         selection, result = better, adequacy(evidence, better.fit)
     result = _structures_of(evidence, selection, result)
     measured = evidence
-    evidence, selection, result, slow = _beside_random_drift(evidence, bare, library, selection, result)
+    evidence, selection, result, drift = _beside_random_drift(evidence, bare, library, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     progress.begin(Phase.RIVALS)
     comparisons = [
@@ -258,7 +246,7 @@ def diagnose(
         adequacy=result,
         gain=gain(measured, robot, fit.robot, (0.0, fit.local_change)),
         calibrated=gain(measured, robot, selection.nominal.robot, (0.0, selection.nominal.local_change)),
-        random_drift=slow,
+        random_drift=drift,
         alternatives=alternatives,
     )
 
@@ -267,14 +255,40 @@ def _beside_random_drift(
     evidence: Evidence, bare: Hypothesis, library: Candidates, selection: Selection, result: Adequacy
 ) -> tuple[Evidence, Selection, Adequacy, RandomDrift | None]:
     """Return evidence, selection and structures beside a random drift of the ranges, and the drift if there is one."""
-    slow = random_drift(evidence, selection.nominal, selection.fit)
-    if slow is None:
+    drift = random_drift(evidence, selection.nominal, selection.fit)
+    if drift is None:
         return evidence, selection, result, None
-    beside = evidence.without(slow.path_m) if slow.memory is None else evidence.beside(slow.memory)
-    steady, without_it = selected(beside, bare, library.testable)
-    rest = _structures_of(steady, without_it, adequacy(steady, without_it.fit))
-    # Beside a structure that the error leaves, it may be a part of the unknown cause.
-    return (evidence, selection, result, None) if rest.has_cause else (steady, without_it, rest, slow)
+    without_drift = evidence.without(drift.path_m) if drift.memory is None else evidence.beside(drift.memory)
+    without_drift, selection_beside = selected(without_drift, bare, library.testable)
+    structures = _structures_of(without_drift, selection_beside, adequacy(without_drift, selection_beside.fit))
+    # If the drift leaves a structure, it may itself be a part of the unknown cause.
+    if structures.has_cause:
+        return evidence, selection, result, None
+    return without_drift, selection_beside, structures, drift
+
+
+def _observations(
+    measurement: Measurement, robot: RobotConfig, progress: DiagnosisProgress
+) -> tuple[Evidence, Hypothesis]:
+    """Return the observations of all stages, and the hypothesis without effects.
+
+    Raises:
+        InputError: No stage of the simulator predicts such data, or none of the data can be used.
+    """
+    if measurement.cases:
+        stages = joint_stages(measurement, robot)
+        bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
+    else:
+        stages = STAGES[measurement.kind](measurement, robot)
+        bare = Hypothesis(robot, spreads_of(measurement, robot))
+    where = measurement.where
+    if not stages:
+        cure = "log voltages and counts, counts and poses, or poses and ranges"
+        raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
+    evidence = _evidence(stages, bare, progress)
+    if not evidence.fit.any():
+        raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
+    return evidence, bare
 
 
 def _evidence(stages: Sequence[Stage], bare: Hypothesis, progress: DiagnosisProgress | None = None) -> Evidence:
@@ -296,12 +310,12 @@ def _with_sessions(
 
     The effects are those that the sessions explain, so that they are none of the robot.
     """
-    errors, of_sessions = session_nuisances(measurement, evidence, bare.nominal), ()
+    errors, session_effects = session_nuisances(measurement, evidence, bare.nominal), ()
     for _ in range(SESSION_ROUNDS if errors else 0):
         hypothesis = replace(bare, nuisances=(*bare.nuisances, *errors))
         (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
-        errors, of_sessions = session_nuisances(measurement, evidence, bare.nominal, fit), within_sessions(fit)
-    return replace(bare, nuisances=(*bare.nuisances, *errors)), of_sessions
+        errors, session_effects = session_nuisances(measurement, evidence, bare.nominal, fit), within_sessions(fit)
+    return replace(bare, nuisances=(*bare.nuisances, *errors)), session_effects
 
 
 def _alternatives(

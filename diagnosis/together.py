@@ -21,7 +21,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance, nuisances
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Observed, Predicted, Stage
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from physics.effects.motor_and_gearbox.gear_backlash import GearBacklash
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError

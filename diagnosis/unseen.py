@@ -14,7 +14,7 @@ from diagnosis.predictors.base import Observed, Stage
 from diagnosis.predictors.pose.by_counts import Pose
 from diagnosis.predictors.ranges.in_room import RangesInRoom
 from diagnosis.predictors.rows import good_values, joined
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from symolo.core.arrays import Array
 
 Columns = Mapping[str, Array]

@@ -23,7 +23,7 @@ from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose, seen_from_
 from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.heading_error import turned_by
 from diagnosis.predictors.rows import good_values, joined, rows_after, session_time_s
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from physics.robot.model import applied
 from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array

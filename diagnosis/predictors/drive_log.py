@@ -11,7 +11,7 @@ from diagnosis.predictors.base import Stage
 from diagnosis.predictors.pose.by_counts import Pose
 from diagnosis.predictors.ranges.in_arena import RangesInArena
 from diagnosis.predictors.ranges.in_room import RangesInRoom
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 
 VOLTAGES = ("u_left_V", "u_right_V")
 TICKS = ("enc_left_ticks", "enc_right_ticks")

@@ -15,7 +15,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.nuisances import STEP, Nuisance, Number, change_by_tolerance
 from diagnosis.predictors.base import Stage
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from diagnosis.together import CaseStage
 from symolo.core.arrays import Array
 

@@ -1,6 +1,6 @@
 """Rows of a motor bench in which the wheel stands still although the nominal motor turns.
 
-They contain nothing about a running motor and are left out of every fit (`predictors.motor_steady`), but they bound the
+They contain nothing about a running motor and are left out of every fit (`predictors.motor.steady`), but they bound the
 friction of a wheel at rest: it is at least the torque of the largest row at standstill, and less than the torque that
 the smallest row in motion would have had at standstill. At standstill there is no back-EMF, so voltage over current is
 the resistance of winding, bridge and leads together.

@@ -14,7 +14,7 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from diagnosis.predictors.wheels.wheels import DEAD_ZONES
+from diagnosis.predictors.wheels.speeds import DEAD_ZONES
 from physics.effects.driver_and_battery.battery_decline import BatteryDecline
 from physics.effects.driver_and_battery.bridge_voltage_drop import BridgeVoltageDrop
 from physics.effects.driver_and_battery.input_delay import InputDelay

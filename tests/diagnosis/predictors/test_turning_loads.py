@@ -17,8 +17,8 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
+from diagnosis.predictors.wheels.speeds import LOAD, Wheels
 from diagnosis.predictors.wheels.turning_loads import TURNING, turning_loads
-from diagnosis.predictors.wheels.wheels import LOAD, Wheels
 from physics.effects.motor_and_gearbox.coulomb_friction_scale import CoulombFrictionScale
 from symolo.core.tables.time_series import TimeSeries
 

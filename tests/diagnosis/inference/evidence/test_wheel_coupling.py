@@ -17,7 +17,7 @@ from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.prediction_error import predictions
 from diagnosis.predictors import STAGES
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from diagnosis.report.answer import answer
 from diagnosis.report.report_data import report_data
 from diagnosis.report.sentences.data.coupled_wheels import coupling_sentences

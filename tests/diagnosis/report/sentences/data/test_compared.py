@@ -10,7 +10,7 @@ from configs.loader import load_section
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.predictors.pose.by_counts import STRIDE, WINDOW, Pose
-from diagnosis.predictors.wheels.wheels import Wheels
+from diagnosis.predictors.wheels.speeds import Wheels
 from diagnosis.report.sentences.data.compared import quantity_rows, rows_sentence, source_text
 
 
