@@ -45,7 +45,6 @@ ELSEWHERE = {
     "DIR/img.png": "likewise",
     "my_look/": "likewise; the look of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
-    "found/extended.yaml": "likewise",
     "explained": "as it stands there, in tests/pipeline/diagnosing/test_own_effect_walk.py",
     "extracted": "needs a release with an effect of its own; tests/contracts/test_effect_files.py makes one",
     "mine=estimates": "needs the files of a program; tests/pipeline/baselines/test_own_estimates.py writes some",

@@ -28,7 +28,7 @@ def trip(tmp_path_factory):
 
 
 def test_both_hidden_effects_are_named_with_their_sizes(trip):
-    content = json.loads((trip / "found" / "answer.json").read_bytes())
+    content = json.loads((trip / "hidden-diagnosis" / "answer.json").read_bytes())
     assert not content["unexplained"]
     effects = {effect["name"]: effect for effect in content["effects"]}
     assert effects.keys() == {"wheel_radius_asymmetry", "wheelbase_scale"}
@@ -38,10 +38,10 @@ def test_both_hidden_effects_are_named_with_their_sizes(trip):
 
 
 def test_by_pybullet_the_found_robot_drives_the_same_path(trip):
-    errors = json.loads((trip / "found" / "answer.json").read_bytes())["engines"]["PyBullet"]["errors"]
+    errors = json.loads((trip / "hidden-diagnosis" / "answer.json").read_bytes())["engines"]["PyBullet"]["errors"]
     for name in ("pose_dx_m", "pose_dtheta_rad"):
         assert errors[name]["extended"] < 0.2 * errors[name]["nominal"]
-    summary = (trip / "found" / "summary.txt").read_text()
+    summary = (trip / "hidden-diagnosis" / "summary.txt").read_text()
     open_loop = " ".join(summary.split()).partition("from the voltages alone")[2]
     before, after = map(float, re.findall(r"([0-9.]+) mm", open_loop))
     assert after < 0.1 * before
