@@ -20,7 +20,6 @@ from configs.checks.scenario import (
     check_scenario,
     check_splits,
 )
-from configs.effects.effect_files import with_user_effects
 from configs.overrides import apply_override, check_order, with_route_index
 from configs.posterior.agreement import check_posterior, without_shipped_draws
 from configs.posterior.reading import with_posterior
@@ -33,6 +32,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
+from configs.user_files import with_user_files
 from configs.validation.shapes import Shape, with_defaults
 from configs.validation.values import (
     FieldDistribution,
@@ -299,8 +299,8 @@ def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> N
 
 
 def _completed(root: Node, model: type[Section]) -> Node:
-    """Return the tree with all defaults, after loading the effects of the user's own that its robot names."""
-    root = with_user_effects(root)
+    """Return the tree with all defaults, after loading the files of the user that its robot names."""
+    root = with_user_files(root)
     return with_defaults(root, Shape.of(model))
 
 

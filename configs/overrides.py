@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.effects.effect_files import KEY, anchored_files
 from configs.posterior.reading import KEY as LIKE
 from configs.posterior.reading import anchored_posterior
 from configs.references import SECTIONS, resolve_camera, resolve_section, with_resolved_routes
 from configs.route_arenas import ARENA, ROUTES
+from configs.user_files import KEYS, anchored_files
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
 from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, dotted, merge
@@ -44,8 +44,8 @@ def apply_override(root: Node, text: str) -> Node:
         node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
     if name == LIKE:
         node = anchored_posterior(Node({LIKE: node}, where), Path.cwd()).child(LIKE) or node
-    if keys == ["robot", KEY]:
-        node = anchored_files(Node({KEY: node}, where), Path.cwd()).child(KEY) or node
+    if keys[0] == "robot" and keys[1:] in [[key] for key in KEYS]:
+        node = anchored_files(Node({keys[1]: node}, where), Path.cwd()).child(keys[1]) or node
     return _set_in_routes(root, keys, node, where) if keys[0] == ROUTES else _set(root, keys, (), node, where)
 
 

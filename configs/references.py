@@ -5,11 +5,11 @@ import re
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.effects.effect_files import anchored_files, with_files_of_both
 from configs.posterior.reading import anchored_posterior
 from configs.route_arenas import ROUTES, with_route_arenas
 from configs.scaling import MODELS, scaled
 from configs.schema.appearance.camera_look import CameraLook
+from configs.user_files import anchored_files, with_files_of_both
 from configs.validation.shapes import Shape, with_defaults
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml.reader import displayed, read_yaml

@@ -26,6 +26,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from configs.schema.base import Fixed, Section, absent, disagreement
+from configs.schema.code_file import CodeFile
 from configs.validation.faults import ConfigFault
 from symolo.core.arrays import Array
 from symolo.core.geometry.poses import mounted
@@ -82,6 +83,12 @@ class UnloadedSettings(BaseModel):
     model_config = ConfigDict(extra="allow", frozen=True)
 
     kind: str = Field(default="", exclude_if=lambda kind: not kind)
+
+
+def unloaded_settings(name: str, values: dict[str, Any], file: CodeFile) -> UnloadedSettings:
+    """Return the settings of a sensor whose file is not loaded, or has changed since."""
+    del name, file  # the robot has a record of the file
+    return UnloadedSettings.model_validate(values)
 
 
 Members = tuple[tuple[str, SensorSettings | UnloadedSettings], ...]
@@ -187,7 +194,8 @@ def _members(value: object, *, known_only: bool) -> Iterator[tuple[str, SensorSe
             unloaded = {
                 name: settings
                 for name, settings in value.items()
-                if isinstance(settings, dict) and (settings.get(IS_LOGGED) or settings.get("kind", name) not in known)
+                if isinstance(settings, UnloadedSettings)
+                or (isinstance(settings, dict) and (settings.get(IS_LOGGED) or settings.get("kind", name) not in known))
             }
             yield from ((name, UnloadedSettings.model_validate(settings)) for name, settings in unloaded.items())
             value = {name: settings for name, settings in value.items() if name not in unloaded}

@@ -17,12 +17,12 @@ from pydantic import ValidationError
 from configs.checks.robot import robot_faults
 from configs.draw import draw_robot
 from configs.effects.base import Effect
-from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
 from configs.loader import load_section
-from configs.schema.effect_file import EffectFile
+from configs.schema.code_file import CodeFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
+from configs.user_files import EFFECT_FILES
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.named_effect import NamedEffect
@@ -157,11 +157,11 @@ def recorded_ranges(effect: str, ranges: Iterable[SeenRange]) -> Iterator[Effect
             yield EffectRange.model_validate({"effect": effect, "quantity": quantity, "low": low, "high": high})
 
 
-def _own_files(config: RobotConfig) -> Iterator[EffectFile]:
+def _own_files(config: RobotConfig) -> Iterator[CodeFile]:
     """Yield the files of those effects of the robot that are the user's own."""
     for effect in config.effects:
         if effect.name in EFFECTS.files:
-            yield EffectFile.model_validate(record_of(effect.name))
+            yield CodeFile.model_validate(EFFECT_FILES.record_of(effect.name))
 
 
 def _within_bounds(config: RobotConfig, effects: Sequence[CandidateEffect]) -> RobotConfig:

@@ -24,7 +24,7 @@ from pipeline.commands.datasets.baselines import baselines
 from pipeline.commands.datasets.sign import sign
 from pipeline.commands.datasets.training import train
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
-from pipeline.commands.make import arena, effect, hil, robot, stages
+from pipeline.commands.make import arena, effect, hil, robot, sensor, stages
 from pipeline.commands.make.import_logs import import_logs
 from pipeline.commands.make.model import model
 from pipeline.commands.make.preview import preview
@@ -115,6 +115,7 @@ def command_line() -> TyperGroup:
         ("case", case, "Explain measured data"),
         ("look", look, "Explain measured data"),
         ("effect", effect, "Make data"),
+        ("sensor", sensor, "Make data"),
         ("robot", robot, "Make data"),
         ("arena", arena, "Make data"),
         ("validate", validate, "Look at the robot's parts"),

@@ -43,12 +43,11 @@ def environment() -> dict[str, str]:
 
 
 def hashes_of_files(spec: RunSpec) -> dict[str, str]:
-    """Return the SHA-256 of each loaded file that this run needs, by the name of its sensor or controller.
+    """Return the SHA-256 of each file of the controller of this run.
 
-    The specification itself has those of its effects.
+    The specification itself has those of its effects and sensors.
     """
-    kinds = spec.robot.sensors.kinds
-    hashes = {name: sha256_of(file.path) for name, file in SENSORS.files.items() if name in kinds}
+    hashes: dict[str, str] = {}
     if spec.controller is None:
         return hashes
     if spec.controller.name == Program.name:  # its command line as well

@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from configs.robot_sensors import RobotSensors, SensorSettings
+from configs.robot_sensors import SensorSettings
 from configs.schema.robot import RobotConfig
+from configs.user_files import SENSOR_FILES
 from sensors.base import Sensor
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
@@ -21,26 +22,29 @@ def build_sensors(
     Raises:
         InputError: The class of a sensor of `robot.sensors` is not loaded.
     """
-    listed = list(_listed(robot.sensors))
+    listed = list(_listed(robot))
     of_every_robot = (kind for kind in SENSORS.classes() if not kind.is_listed())
     built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in of_every_robot}
     built |= {name: kind(settings, arena, physics_hz, rng_of(name)) for name, kind, settings in listed}
     return {name: sensor for name, sensor in built.items() if sensor is not None}
 
 
-def listed_sensors(sensors: RobotSensors) -> tuple[ListedSensor, ...]:
+def listed_sensors(robot: RobotConfig) -> tuple[ListedSensor, ...]:
     """Return the sensors of `robot.sensors` with their tables.
 
     Raises:
-        InputError: The class of a sensor is not loaded.
+        InputError: The class of a sensor is not loaded, or its file has changed since the data were made.
     """
-    return tuple(ListedSensor(kind.name, kind.table(name, settings)) for name, kind, settings in _listed(sensors))
+    return tuple(ListedSensor(kind.name, kind.table(name, settings)) for name, kind, settings in _listed(robot))
 
 
-def _listed(sensors: RobotSensors) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:
+def _listed(robot: RobotConfig) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:
     """Yield name, class and settings of each sensor of `robot.sensors` except the cameras."""
     known = {kind.name: kind for kind in SENSORS.classes() if kind.is_listed()}
-    for name, settings in sensors:
+    problems = {file.name: problem for file in robot.sensor_files if (problem := SENSOR_FILES.problem(file))}
+    for name, settings in robot.sensors:
+        if problem := problems.get(settings.kind or name):
+            raise problem
         kind = known.get(settings.kind or name)
         if kind is None or not isinstance(settings, SensorSettings):
             got, cure = settings.kind or name, f"name its file in the environment variable {SENSORS.variable}"

@@ -10,8 +10,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS, effects_section
-from configs.schema.effect_file import EffectFile
-from symolo.core.errors import InputError
+from configs.schema.code_file import CodeFile
+from configs.user_files import EFFECT_FILES
 
 AnEffect = TypeVar("AnEffect", bound=Effect)
 
@@ -22,22 +22,8 @@ class UnloadedEffect:
 
     name: str
     values: dict[str, Any]
-    file: str
-    """Name of the file that defines it."""
-    sha256: str
-    """SHA-256 of that file."""
-
-    def problem(self) -> InputError:
-        """Return why nothing can be computed with it, and what to do."""
-        other = EFFECTS.files.get(self.name)
-        cure = (
-            f"`symolo effect extract` writes the file from the dataset; read it, since it is code, and then name it "
-            f"before the command: symolo --effect-file {self.file} ..."
-        )
-        if other is not None:
-            what = f"effect {self.name}: the file has changed since the data were made"
-            return InputError(what, where=str(other.path), got=other.sha256, allowed=self.sha256, cure=cure)
-        return InputError(f"effect {self.name}: its file {self.file} ({self.sha256}) is not loaded", cure=cure)
+    file: CodeFile
+    """File that defines it."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +73,8 @@ class RobotEffects:
             InputError: The file of one is not loaded, or has changed.
         """
         for effect in self.unloaded:
-            raise effect.problem()
+            if (problem := EFFECT_FILES.problem(effect.file)) is not None:
+                raise problem
 
     def with_effect(self, effect: Effect) -> "RobotEffects":
         """Return these effects and one more, which replaces one of its class."""
@@ -127,29 +114,3 @@ class RobotEffects:
     def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         del schema
         return handler(effects_section().__pydantic_core_schema__)
-
-
-def with_unloaded_apart(robot: Any, *, known_only: bool) -> Any:  # noqa: ANN401 - whatever a file holds
-    """Return the plain values of a robot in which effects whose files are not loaded are `UnloadedEffect`s.
-
-    Args:
-        robot: Values as a file has them.
-        known_only: Whether to refuse such effects, as where numbers are to be drawn within their bounds.
-    """
-    files = robot.get("effect_files") if isinstance(robot, dict) else None
-    effects = robot.get("effects") if isinstance(robot, dict) else None
-    if not files or not isinstance(files, (list, tuple)) or not isinstance(effects, dict):
-        return robot
-    apart = dict(effects)
-    for file in files:
-        stated = file.model_dump() if isinstance(file, EffectFile) else file
-        name = stated.get("name") if isinstance(stated, dict) else None
-        values = effects.get(name) if isinstance(name, str) else None
-        if not isinstance(name, str) or not isinstance(values, dict):
-            continue  # the schema says what is wrong
-        loaded, sha256 = EFFECTS.files.get(name), str(stated.get("sha256"))
-        if loaded is None or loaded.sha256 != sha256:
-            apart[name] = UnloadedEffect(name, values, str(stated.get("file")), sha256)
-            if known_only:
-                raise apart[name].problem()
-    return {**robot, "effects": apart}

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
 from configs.posterior.schema import FILE, VERSION, LoadedPosterior, Posterior
 from configs.schema.base import Section
+from configs.user_files import EFFECT_FILES
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape
 from symolo.core.errors import InputError, together
@@ -128,5 +128,5 @@ def _with_records(files: Node, folder: Path) -> Node:
         if not isinstance(item.value, str) or Path(item.value).name != item.value:
             allowed = "names of Python files in the folder of the posterior"
             raise InputError("effect_files", where=item.where, got=item.plain(), allowed=allowed)
-        records.append(record_of(EFFECTS.load(folder / item.value).name))
+        records.append(EFFECT_FILES.record_of(EFFECTS.load(folder / item.value).name))
     return node_of(records, files.where)

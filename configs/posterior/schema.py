@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from typing_extensions import Self
 
 from configs.schema.base import Fixed, FromList, Section, Slug, disagreement
-from configs.schema.effect_file import EffectFile
+from configs.schema.code_file import CodeFile
 from configs.schema.effect_range import EffectRange
 from symolo.core.yaml.tree import FieldPath
 
@@ -171,7 +171,7 @@ class Posterior(Section):
     """Range of each quantity that was measured."""
     noise: Annotated[tuple[ChannelNoise, ...], FromList]
     """Scatter of each channel that stays unexplained."""
-    effect_files: Annotated[tuple[EffectFile, ...], FromList] = ()
+    effect_files: Annotated[tuple[CodeFile, ...], FromList] = ()
     """Files of the effects of your own."""
 
     @model_validator(mode="after")

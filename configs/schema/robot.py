@@ -6,14 +6,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, model_validator
 
 from configs.effects.base import Effect
-from configs.effects.robot_effects import RobotEffects, with_unloaded_apart
-from configs.robot_sensors import KNOWN_ONLY, RobotSensors
+from configs.effects.robot_effects import RobotEffects, UnloadedEffect
+from configs.robot_sensors import KNOWN_ONLY, RobotSensors, unloaded_settings
 from configs.schema.base import FromList, Section, Slug, absent
+from configs.schema.code_file import CodeFile
 from configs.schema.controller import Controller
-from configs.schema.effect_file import EffectFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.field_of_view import with_focal_length
 from configs.schema.mesh import MeshFile
+from configs.user_files import EFFECT_FILES, SENSOR_FILES, with_unloaded_apart
 
 Share = Annotated[float, Field(ge=0, le=1)]
 
@@ -326,8 +327,10 @@ class RobotConfig(Section):
     """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
     """Deviations of the real robot from the values above, which its controller does not know."""
-    effect_files: Annotated[tuple[EffectFile, ...], FromList] = Field(default=(), exclude_if=lambda files: not files)
+    effect_files: Annotated[tuple[CodeFile, ...], FromList] = Field(default=(), exclude_if=lambda files: not files)
     """Python files with effects of your own, relative to the YAML file that names them."""
+    sensor_files: Annotated[tuple[CodeFile, ...], FromList] = Field(default=(), exclude_if=lambda files: not files)
+    """Python files with sensors of your own, relative to the YAML file that names them."""
     effect_ranges: Annotated[tuple[EffectRange, ...], FromList] = Field(
         default=(), exclude_if=lambda ranges: not ranges
     )
@@ -336,8 +339,10 @@ class RobotConfig(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _unloaded_effects_apart(cls, values: Any, info: ValidationInfo) -> Any:  # noqa: ANN401 - whatever a file holds
-        return with_unloaded_apart(values, known_only=info.context == KNOWN_ONLY)
+    def _unloaded_apart(cls, values: Any, info: ValidationInfo) -> Any:  # noqa: ANN401 - whatever a file holds
+        known_only = info.context == KNOWN_ONLY
+        values = with_unloaded_apart(values, EFFECT_FILES, UnloadedEffect, known_only=known_only)
+        return with_unloaded_apart(values, SENSOR_FILES, unloaded_settings, known_only=known_only)
 
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""

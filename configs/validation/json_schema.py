@@ -20,6 +20,7 @@ from configs.scaling import MAX_SCALE, MIN_SCALE, MODELS
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
+from configs.user_files import KEYS
 from configs.validation.shapes import Shape
 from symolo.core.field_descriptions import DescribedJsonSchema
 
@@ -42,11 +43,6 @@ _SCALE = {
     "description": "Factor on all lengths of what it extends; masses, motors, speeds and gains follow from it.",
 }
 _FOLDER_OF_MESHES = "Folder of your meshes, relative to the YAML file that names it."
-_EFFECT_FILES = {
-    "type": "array",
-    "items": {"type": "string", "pattern": r"\.py$"},
-    "description": "Python files with effects of your own, relative to the YAML file that names them.",
-}
 _OF_POSTERIOR = tuple(
     model.__name__
     for model in (LoadedPosterior, RobotHypothesis, FixedField, FittedNumber, MeasuredRange, ChannelNoise)
@@ -75,14 +71,17 @@ def scenario_json_schema() -> dict[str, Any]:
     fields["camera"] = {"anyOf": [_reference("camera"), fields["camera"]]}
     for name in ("ArenaConfig", "RobotConfig"):
         definitions[name]["properties"]["assets"] = {**_FOLDER, "description": _FOLDER_OF_MESHES}
-    definitions["RobotConfig"]["properties"]["effect_files"] = _EFFECT_FILES
+    for key in KEYS:
+        field = definitions["RobotConfig"]["properties"][key]
+        paths = {"type": "array", "items": {"type": "string", "pattern": r"\.py$"}}
+        definitions["RobotConfig"]["properties"][key] = {**paths, "description": field["description"]}
     top = _mapping(shape.schema, shape, required=False)
     named = [{"type": "string", "description": "path, relative to the YAML file that names it"}, {"type": "null"}]
     named.append(
         {"type": "object", "description": "the whole posterior, as the scenario of a published dataset has it"}
     )
     top["properties"]["like"] = {"anyOf": named, "description": top["properties"]["like"]["description"]}
-    for name in ("EffectFile", *_OF_POSTERIOR):
+    for name in ("CodeFile", *_OF_POSTERIOR):
         definitions.pop(name, None)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]

@@ -31,7 +31,7 @@ OTHER_NAMES = (
     ("pitch_up", "pitch_down", "change the sign"),
 )
 """Words in the names of keys, the words of the fields that have the other measure, and what to write there."""
-OWN_SENSOR = "a kind of your own needs its file: symolo --sensor-file FILE ..."
+OWN_SENSOR = "a kind of your own needs its file: robot.sensor_files, or symolo --sensor-file FILE ..."
 FLAT_FLOOR = (
     "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
     " robot.effects.floor_slope"

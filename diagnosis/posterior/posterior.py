@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from configs.effects.effect_files import record_of
 from configs.effects.registry import EFFECTS
 from configs.posterior.schema import FILE, VERSION, Posterior
 from configs.schema.robot import RobotConfig
+from configs.user_files import EFFECT_FILES
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import (
     RECORDED,
@@ -89,7 +89,7 @@ def _content(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise": list(_noise(diagnosis)),
     }
     used = {field["field"].split(".")[1] for each in content["hypotheses"] for field in _effect_fields(each)}
-    if files := [record_of(name) for name in sorted(used & EFFECTS.files.keys())]:
+    if files := [EFFECT_FILES.record_of(name) for name in sorted(used & EFFECTS.files.keys())]:
         content["effect_files"] = files
     return content
 

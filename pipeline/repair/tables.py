@@ -15,6 +15,7 @@ from pipeline.stages.run_tables import stage_tables
 from pipeline.stages.simulate_runs import simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit
+from sensors.build import listed_sensors
 from symolo.core.errors import InputError
 from symolo.dataset.layout import ANNOTATIONS, camera_and_file
 
@@ -25,7 +26,7 @@ def make_tables(state: RepairState, specs: Mapping[str, SceneSpec], tools: Repai
     """Restore data.csv, positions and side tables of the runs whose specifications are known."""
     for run, spec in specs.items():
         if _damaged_tables(state, run):
-            with contextlib.suppress(OSError, ValueError, KeyError, BadZipFile):
+            with contextlib.suppress(InputError, OSError, ValueError, KeyError, BadZipFile):
                 _put(state, spec, state.workspace.simulate(run).path, "from the trajectory", "")
     lost = [spec for run, spec in specs.items() if _damaged_tables(state, run)]
     for spec in lost:
@@ -40,9 +41,10 @@ def make_tables(state: RepairState, specs: Mapping[str, SceneSpec], tools: Repai
 
 
 def _can_act(state: RepairState, spec: SceneSpec) -> bool:
-    """Return whether the files of all effects are loaded, and note the reason if not: a dataset's code is not run."""
+    """Return whether the files of effects and sensors are loaded, and note why not: a dataset's code is not run."""
     try:
         spec.robot.effects.require_loaded()
+        listed_sensors(spec.robot)
     except InputError as error:
         _explain(state, spec, str(error))
         return False

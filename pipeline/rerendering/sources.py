@@ -156,7 +156,7 @@ def _of_run(folder: Path) -> Sources:
     if spec.is_imported:
         what = "is a run of an import without its metadata.json, which describes its tables"
         raise InputError(what, where=str(folder), cure="name the dataset, or a run within it")
-    sensors = listed_sensors(spec.robot.sensors)
+    sensors = listed_sensors(spec.robot)
     run = _taken(folder, spec, sensors, RunOutcome.of_rows(read_rows(folder / DATA)), "")
     return Sources((run,), (folder / DATA,), spec.scenario, "", "", {}, sensors)
 
@@ -244,7 +244,7 @@ def _of_stages(folders: Sequence[Path]) -> Sources:
     if not runs:
         raise InputError("has no run without a problem", where=str(folders[0].parent), cure="see `symolo status`")
     first, is_whole = runs[0].spec, len(folders) > 1
-    sensors = listed_sensors(first.robot.sensors)
+    sensors = listed_sensors(first.robot)
     return Sources(tuple(runs), tuple(folders), first.scenario, "", "", {}, sensors, is_whole=is_whole)
 
 

@@ -11,7 +11,7 @@ from symolo.core.errors import shown
 MAX_CHANGES = 3
 """Largest number of fields that a message names; one cause often changes many."""
 
-_TEXT = re.compile(r"robot\.effect_files\.\d+\.text")
+_TEXT = re.compile(r"robot\.(effect|sensor)_files\.\d+\.text")
 """Text of a file whose SHA-256 has changed as well, which says enough."""
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")

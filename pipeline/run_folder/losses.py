@@ -51,7 +51,7 @@ class Losses:
             named_runs(self.runs) if self.runs else "",
             plural(self.images, "image") if self.images else "",
             f"annotations ({', '.join(self.annotations)})" if self.annotations else "",
-            f"the readings of {', '.join(self.own_sensors)} (--sensor-file names no file of such a sensor)"
+            f"the readings of {', '.join(self.own_sensors)} (neither sensor_files nor --sensor-file names its file)"
             if self.own_sensors
             else "",
             "the signature" if self.signature else "",
@@ -212,8 +212,12 @@ def _own_sensors(metadata: Metadata | None, unchanged: Mapping[str, SceneSpec]) 
     if metadata is None or not unchanged:
         return ()
     kinds = {*SENSORS.by_name(), LOGGED}
-    kept = {name for spec in unchanged.values() for name in spec.robot.sensors.names}
-    return tuple(name for name, sensor in metadata.sensors.items() if sensor.kind not in kinds and name not in kept)
+    present = {(name, settings.kind or name) for spec in unchanged.values() for name, settings in spec.robot.sensors}
+    return tuple(
+        name
+        for name, sensor in metadata.sensors.items()
+        if sensor.kind not in kinds and (name, sensor.kind) not in present
+    )
 
 
 def _annotations_by_camera(spec: SceneSpec) -> dict[str, tuple[AnnotationName, ...]]:

@@ -77,7 +77,7 @@ def _taken(folder: Path, images: Path) -> tuple[SceneSpec, Rows, dict[str, bytes
 
 def _sensors(spec: SceneSpec) -> tuple[ListedSensor, ...]:
     """Return the sensors of a run; those of a log are described only in the finished metadata."""
-    return () if spec.is_imported else listed_sensors(spec.robot.sensors)
+    return () if spec.is_imported else listed_sensors(spec.robot)
 
 
 def _rendered_images(folder: Path) -> Path:

@@ -164,7 +164,7 @@ def _top_files(
 ) -> dict[str, bytes]:
     """Return the files at the top of a release by name; `files` are those of its runs."""
     records = [run.record for run in runs]
-    sensors = listed_sensors(specs[0].robot.sensors) if sensors is None else sensors
+    sensors = listed_sensors(specs[0].robot) if sensors is None else sensors
     splits = _splits(tree, specs, records)
     metadata = describe(tree, specs, records, failures, sensors, columns_of_data=runs[-1].columns, splits=splits)
     top = {METADATA: metadata.to_json(), DESCRIPTION: markdown(metadata, runs[0].spec)}

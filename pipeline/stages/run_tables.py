@@ -105,7 +105,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
-    for sensor in listed_sensors(spec.robot.sensors):
+    for sensor in listed_sensors(spec.robot):
         yield f"{SIDE}/{sensor.table.file}", sensor_csv(sensor.table, recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:

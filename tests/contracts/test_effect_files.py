@@ -15,7 +15,7 @@ from configs.loader import load_resolved, load_scenario
 from configs.schema.scenario import RunSpec
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.cli import main
-from pipeline.effects.extract import effect_file_lines, named_contents
+from pipeline.code_files import code_file_lines, named_contents
 from pipeline.run_folder.changes import changes
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.stages.simulate import simulate
@@ -213,16 +213,16 @@ def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_th
     (run / "trajectory.npz").touch()
     (run / "spec.json").write_text(drawn(scenario).model_dump_json())
     forget()
-    (line,) = effect_file_lines(tmp_path / "data")
+    (line,) = code_file_lines(tmp_path / "data")
     assert line.startswith("effect leaky_shunt: made with leaky_shunt.py, SHA-256 ")
     assert line.endswith("not loaded; only --effect-file leaky_shunt.py simulates its runs again")
     assert main(["effect", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out/leaky_shunt.py").read_text() == EFFECT
     assert EFFECTS.files == {}
     EFFECTS.load(tmp_path / "out/leaky_shunt.py")
-    assert [line] != [*effect_file_lines(tmp_path / "data")] == [line.partition("; ")[0] + "; " + SAME]
+    assert [line] != [*code_file_lines(tmp_path / "data")] == [line.partition("; ")[0] + "; " + SAME]
     (run / "spec.json").write_text(drawn("smoke").model_dump_json())
-    assert [*effect_file_lines(tmp_path / "data")] == []
+    assert [*code_file_lines(tmp_path / "data")] == []
     assert main(["effect", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "none")]) == 2
     assert "was made without effects of a user's own" in capsys.readouterr().err
 

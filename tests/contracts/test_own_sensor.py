@@ -15,8 +15,10 @@ import symolo as library
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.validation.json_schema import scenario_json_schema
+from pipeline.run_folder.changes import changes
 from pipeline.stages.simulate import simulate
-from pipeline.user_code import environment, hashes_of_files
+from pipeline.stages.simulate_runs import simulation_key
+from pipeline.user_code import environment
 from pipeline.work.units import SimulateUnit
 from pipeline.work.worker_main import do
 from sensors.build import build_sensors
@@ -228,18 +230,39 @@ def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
     assert re.search(r"\| feeler\.csv \| Contact of the feeler.*contact \[-\], clearance \[m\]", readme)
 
 
-def test_status_names_the_file_that_is_not_loaded_or_has_changed(released, tmp_path, symolo):
+def test_status_is_up_to_date_without_the_file_and_names_it_if_it_is_not_loaded_or_has_changed(
+    released, tmp_path, symolo
+):
     ended = symolo("status", released)
-    assert "simulate: sensor feeler is not loaded; name its file: symolo --sensor-file FILE ..." in ended.out
+    assert "runs: 1 of 1 released and up to date" in ended.out
+    assert "sensor feeler: made with feeler.py, SHA-256 " in ended.out
+    assert "not loaded; only --sensor-file feeler.py simulates its runs again" in ended.out
     for text, expected in (
-        (TOY, "runs: 1 of 1 released and up to date"),
-        (TOY + "# changed\n", "of the file of feeler"),
+        (TOY, "a file with the same content is loaded"),
+        (TOY + "# changed\n", "feeler.py has changed since"),
     ):
         path = written(tmp_path, text)
         try:
             assert expected in symolo("--sensor-file", path, "status", released).out
         finally:
             SENSORS.unload(path)
+
+
+def test_a_repair_that_must_simulate_names_the_file_and_needs_the_same_content(released, copy_of, tmp_path, symolo):
+    copy = copy_of(released)
+    table = copy / "CW/test_1/side/feeler.csv"
+    content = table.read_bytes()
+    table.unlink()
+    ended = symolo("repair", copy)
+    assert (ended.code, "sensor feeler: its file feeler.py (" in ended.out) == (4, True)
+    path = written(tmp_path, TOY + "# changed\n")
+    try:
+        assert "the file has changed since the data were made" in symolo("--sensor-file", path, "repair", copy).out
+        written(tmp_path)
+        assert symolo("--sensor-file", path, "repair", copy).code == 0
+    finally:
+        SENSORS.unload(path)
+    assert table.read_bytes() == content
 
 
 @pytest.mark.parametrize(
@@ -337,14 +360,16 @@ def test_the_report_shows_columns_limits_and_a_plot(released, tmp_path, symolo):
 
 
 def test_a_run_is_simulated_again_where_the_file_changed_and_workers_load_the_same_file(toy, tmp_path):
-    spec = drawn(f"{TRAVEL}=0.02")
-    before = hashes_of_files(spec)
-    assert before.keys() == {"feeler"}
-    assert hashes_of_files(drawn()) == {}
-    written(tmp_path, TOY + "# changed\n")
-    assert hashes_of_files(spec) != before
+    spec, without = drawn(f"{TRAVEL}=0.02"), drawn()
+    SENSORS.load(written(tmp_path, TOY + "# changed\n"))
+    changed = drawn(f"{TRAVEL}=0.02")
+    (change,) = changes(spec, changed, simulation=True)
+    assert re.fullmatch(r"robot\.sensor_files\.0\.sha256 [0-9a-f]{12} -> [0-9a-f]{12}", change)
+    assert simulation_key(spec) != simulation_key(changed)
+    assert simulation_key(without) == simulation_key(drawn())
+    SENSORS.load(written(tmp_path))
     assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "feeler.py")
-    assert toy in SENSORS.classes()
+    assert toy.name in SENSORS.by_name()
 
 
 def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tmp_path):
@@ -354,7 +379,7 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
     SENSORS.unload(path)
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
-    with pytest.raises(InputError, match=r"robot\.sensors\.feeler: no such kind of sensor.*SYMOLO_SENSOR_FILES"):
+    with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py \(.*not loaded; .*--sensor-file feeler"):
         build_sensors(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
 
 

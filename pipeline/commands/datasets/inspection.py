@@ -65,7 +65,7 @@ def verify(
 
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
-    from pipeline.effects.extract import effect_file_lines
+    from pipeline.code_files import code_file_lines
     from pipeline.run_folder.output import check_finished
     from pipeline.run_folder.stored_spec import spec_problem
     from symolo.core.files.file_locks import is_locked
@@ -85,7 +85,7 @@ def verify(
             typer.echo(str(finding))
         findings.append(finding)
     if not as_json:
-        for line in effect_file_lines(folder):
+        for line in code_file_lines(folder):
             typer.echo(line)
     comment = trusted_comment(folder) if public is not None and not findings else ""
     if not as_json and findings:

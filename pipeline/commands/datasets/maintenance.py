@@ -28,7 +28,7 @@ def status(
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
     from configs.loader import load_scenario
-    from pipeline.effects.extract import effect_file_lines
+    from pipeline.code_files import code_file_lines
     from pipeline.planning.drawing import draw_reported
     from pipeline.run_folder.losses import losses_of
     from pipeline.run_folder.status import status as status_of
@@ -49,7 +49,7 @@ def status(
         typer.echo(StatusResult.of(str(folder), result, code).to_json())
         return code
     losses = losses_of(Workspace(folder.absolute()), loaded.tree, specs) if loaded else None
-    for line in (*status_lines(result, losses, check=check), *effect_file_lines(folder)):
+    for line in (*status_lines(result, losses, check=check), *code_file_lines(folder)):
         typer.echo(line)
     return code
 

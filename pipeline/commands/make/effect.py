@@ -121,18 +121,10 @@ def extract(folder: Dataset, *, out: NewFolder) -> None:
 
     Example: symolo effect extract data --out effects
     """
-    from pipeline.effects.extract import effect_files, named_contents
-    from symolo.core.files.atomic_files import write_file
-    from symolo.core.files.new_folder import check_new, new_folder
+    from configs.user_files import EFFECT_FILES
+    from pipeline.code_files import extracted
 
-    check_new(out, folder)
-    files = named_contents(effect_files(folder))
-    if not files:
-        raise InputError("was made without effects of a user's own", where=str(folder))
-    with new_folder(out) as partial:
-        for file, data in files.items():
-            write_file(partial / file, data)
-    for file in files:
+    for file in extracted(folder, out, EFFECT_FILES):
         typer.echo(out / file)
 
 

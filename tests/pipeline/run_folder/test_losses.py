@@ -84,8 +84,20 @@ def test_a_sensor_of_a_file_that_is_not_named_is_not_removed_unasked(out, symolo
     before = state_of(out)
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert ended.code == 2
-    lost = "the readings of beam (--sensor-file names no file of such a sensor) would be lost"
+    lost = "the readings of beam (neither sensor_files nor --sensor-file names its file) would be lost"
     assert f"contains the finished dataset smoke: {lost}; name another" in ended.err
+    assert state_of(out) == before
+
+
+def test_a_sensor_of_a_file_is_not_replaced_unasked_by_one_of_its_name_and_another_kind(out, symolo, tiny):
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["sensors"] = {"imu": {"kind": "beam", "meaning": "One beam."}}
+    column = {"unit": "m", "meaning": "a number", "decimals": 3}
+    metadata["columns"]["side/imu.csv"] = [{**column, "name": "t"}, {**column, "name": "range"}]
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    before = state_of(out)
+    ended = symolo("release", "smoke", "--out", out, *tiny, "--set=robot.sensors.imu={}")
+    assert (ended.code, "the readings of imu (neither sensor_files" in ended.err) == (2, True)
     assert state_of(out) == before
 
 

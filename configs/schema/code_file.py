@@ -1,4 +1,4 @@
-"""The file of a user's own effect, as a specification keeps it: enough to make the same data again."""
+"""The file of a user's own effect or sensor, as a specification keeps it: enough to make the same data again."""
 
 import hashlib
 from typing import Annotated
@@ -10,14 +10,14 @@ from configs.schema.base import Fixed, Section, Slug, disagreement
 
 MAX_CHARACTERS = 200_000
 FILE_NAME = r"^[^\x00-\x1f\x7f/\\.][^\x00-\x1f\x7f/\\]{0,250}\.py$"
-"""A name that leads nowhere else, for `symolo effect extract` writes files of these names."""
+"""A name that leads nowhere else, for `symolo effect extract` and `sensor extract` write files of these names."""
 
 
-class EffectFile(Section):
-    """A Python file with one effect. A robot file names its path; symolo fills in the rest."""
+class CodeFile(Section):
+    """A Python file with one effect or sensor. A robot file names its path; symolo fills in the rest."""
 
     name: Slug
-    """Name of the effect."""
+    """Name of the effect, or of the kind of sensor."""
     file: Annotated[str, Fixed("it is the name of a file")] = Field(pattern=FILE_NAME)
     """Name of the file, without its folder."""
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")

@@ -1,0 +1,91 @@
+"""The files of the user's own effects and sensors that a dataset was made with."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from configs.schema.code_file import CodeFile
+from configs.user_files import ROBOT_FILES, RobotFiles
+from pipeline.run_folder.stored_runs import simulated_folders
+from pipeline.run_folder.stored_spec import read_spec
+from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import write_file
+from symolo.core.files.new_folder import check_new, new_folder
+from symolo.dataset.documents.metadata import METADATA, read_metadata
+from symolo.dataset.layout import SPEC
+
+FILES: TypeAdapter[list[CodeFile]] = TypeAdapter(list[CodeFile])
+
+
+def code_files(folder: Path, kind: RobotFiles) -> tuple[CodeFile, ...]:
+    """Return the files of one kind of a release, or of runs that were only simulated, each content once.
+
+    Raises:
+        InputError: The folder is neither, or a text does not fit its SHA-256.
+    """
+    metadata = read_metadata(folder)
+    if metadata is not None:
+        robot = metadata.scenario.get("robot")
+        stated = robot.get(kind.key, []) if isinstance(robot, dict) else []
+        try:
+            files = FILES.validate_python(stated)
+        except ValidationError as error:
+            what = f"robot.{kind.key}: {error.errors()[0]['msg']}"
+            raise InputError(what, where=str(folder / METADATA), cure="symolo verify lists the faults") from None
+    else:
+        files = list(_of_stages(folder, kind))
+    return tuple({file.sha256: file for file in files}.values())
+
+
+def named_contents(files: Iterable[CodeFile]) -> dict[str, bytes]:
+    """Return the content of each file by its name, with a part of the SHA-256 where two have the same name."""
+    contents: dict[str, bytes] = {}
+    for file in files:
+        name = f"{Path(file.file).stem}-{file.sha256[:8]}.py" if file.file in contents else file.file
+        contents[name] = file.text.encode()
+    return contents
+
+
+def extracted(folder: Path, out: Path, kind: RobotFiles) -> tuple[str, ...]:
+    """Write the files of one kind into a new folder without executing them, and return their names.
+
+    Raises:
+        InputError: The dataset was made without such files, or the new folder cannot be.
+    """
+    check_new(out, folder)
+    contents = named_contents(code_files(folder, kind))
+    if not contents:
+        raise InputError(f"was made without {kind.section} of a user's own", where=str(folder))
+    with new_folder(out) as partial:
+        for file, data in contents.items():
+            write_file(partial / file, data)
+    return tuple(contents)
+
+
+def code_file_lines(folder: Path) -> Iterator[str]:
+    """Yield a line for each file that a dataset was made with: whether a file with its content is loaded.
+
+    Folders that cannot be read have none, for other checks report them.
+    """
+    for kind in ROBOT_FILES:
+        try:
+            files = code_files(folder, kind)
+        except InputError:
+            continue
+        for file in files:
+            loaded = kind.family.files.get(file.name)
+            state = "a file with the same content is loaded"
+            if loaded is None:
+                state = f"not loaded; only --{kind.noun}-file {file.file} simulates its runs again"
+            elif loaded.sha256 != file.sha256:
+                state = f"the loaded file {loaded.path} has changed since, its SHA-256 is {loaded.sha256}"
+            yield f"{kind.noun} {file.name}: made with {file.file}, SHA-256 {file.sha256}; {state}"
+
+
+def _of_stages(folder: Path, kind: RobotFiles) -> Iterator[CodeFile]:
+    runs = simulated_folders(folder)
+    if not runs:
+        raise InputError("contains no release and no simulated run", where=str(folder))
+    for run in runs:
+        yield from getattr(read_spec(run / SPEC).robot, kind.key)

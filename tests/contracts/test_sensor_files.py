@@ -1,0 +1,140 @@
+"""A robot names the files of own sensors: no option is needed, their text is kept, and nothing executes it."""
+
+import hashlib
+import json
+
+import pytest
+
+from configs.draw import draw_run
+from configs.loader import load_resolved, load_scenario
+from configs.schema.scenario import RunSpec
+from configs.validation.json_schema import scenario_json_schema
+from pipeline.cli import main
+from pipeline.code_files import code_file_lines
+from pipeline.run_folder.stored_spec import spec_problem
+from pipeline.stages.simulate import simulate
+from sensors.registry import SENSORS
+from symolo.core.errors import InputError
+from tests.contracts.test_own_sensor import TOY
+
+ROBOT = """
+extends: nominal
+name: feeling
+sensor_files: [code/feeler.py]
+sensors: {front: {kind: feeler, travel_m: 0.02}}
+"""
+
+
+@pytest.fixture
+def robot(tmp_path, monkeypatch):
+    (tmp_path / "code").mkdir()
+    (tmp_path / "code/feeler.py").write_text(TOY)
+    path = tmp_path / "feeling.yaml"
+    path.write_text(ROBOT)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    yield path
+    forget()
+
+
+def forget():
+    for file in [*SENSORS.files.values()]:
+        SENSORS.unload(file.path)
+
+
+def drawn(robot, *settings):
+    return draw_run(load_scenario("smoke", ["stop.time_limit_s=0.2", f"robot={robot}", *settings]), "CW", 1)
+
+
+def test_the_robot_file_names_it_relative_to_itself_and_the_specification_has_its_text(robot):
+    spec = drawn(robot)
+    content = json.loads(spec.model_dump_json())["robot"]
+    sha256 = hashlib.sha256(TOY.encode()).hexdigest()
+    assert content["sensor_files"] == [{"name": "feeler", "file": "feeler.py", "sha256": sha256, "text": TOY}]
+    assert simulate(spec).recording["sensor_front"].values.shape[1] == 2
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_robot_that_extends_another_has_the_files_of_both_and_records_those_that_it_needs(tmp_path):
+    (tmp_path / "other.py").write_text(TOY.replace("class Feeler", "class Whisker"))
+    both = tmp_path / "both.yaml"
+    both.write_text("extends: feeling.yaml\nname: both\nsensor_files: [other.py]\nsensors: {whisker: {}}\n")
+    assert [file.name for file in drawn(both).robot.sensor_files] == ["feeler", "whisker"]
+    assert [file.name for file in drawn(both, "robot.sensors.whisker=null").robot.sensor_files] == ["feeler"]
+    assert drawn("nominal").robot.sensor_files == ()
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ("[code/feelor.py]", r"feeling\.yaml:4: robot\.sensor_files: no such file: got "),
+        ("code/feeler.py", r"robot\.sensor_files: got 'code/feeler\.py', allowed: a list of Python files"),
+        ("[{name: feeler, sha256: a, text: b}]", "sensor_files: got .*allowed: a list .*write it to a file"),
+        ("[]", r"kind: got 'feeler', allowed: .*your own needs its file: robot\.sensor_files"),
+    ],
+)
+def test_a_wrong_name_is_refused_with_its_place(robot, files, message):
+    robot.write_text(ROBOT.replace("[code/feeler.py]", files))
+    with pytest.raises(InputError, match=message):
+        drawn(robot)
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_setting_names_it_relative_to_the_working_folder(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path / "code")
+    assert drawn("nominal", "robot.sensor_files=[feeler.py]", "robot.sensors.feeler={}").robot.sensor_files
+
+
+class TestWithoutTheFile:
+    @pytest.fixture
+    def text(self, robot):
+        text = drawn(robot).model_dump_json()
+        forget()
+        return text
+
+    def test_it_is_read_and_written_back_equal_and_not_simulated(self, text):
+        spec = RunSpec.model_validate_json(text)
+        assert json.loads(spec.model_dump_json()) == json.loads(text)
+        assert (spec_problem(text), SENSORS.files) == ("", {})
+        with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py .*not loaded; .*sensor extract"):
+            simulate(spec)
+
+    def test_it_is_simulated_with_the_same_file_and_no_other(self, text, tmp_path):
+        path = tmp_path / "copy.py"
+        path.write_text(TOY + "# another\n")
+        SENSORS.load(path)
+        with pytest.raises(InputError, match=r"the file has changed since the data were made: got .*, allowed: "):
+            simulate(RunSpec.model_validate_json(text))
+        path.write_text(TOY)
+        SENSORS.load(path)
+        assert simulate(RunSpec.model_validate_json(text)).finished
+
+    def test_a_text_that_does_not_fit_its_hash_is_a_fault(self, text):
+        assert "sensor_files.0.text" in spec_problem(text.replace("One ray", "").replace("is closed", "is open"))
+
+    def test_no_run_is_drawn_from_its_scenario(self, robot):
+        tree = load_scenario("smoke", [f"robot={robot}"]).tree
+        forget()
+        with pytest.raises(InputError, match=r"sensor feeler: its file .* is not loaded"):
+            load_resolved(tree, "metadata.json")
+
+
+def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_them(robot, tmp_path, capsys):
+    run = tmp_path / "data/.stages/simulate/CW/test_1"
+    run.mkdir(parents=True)
+    (run / "trajectory.npz").touch()
+    (run / "spec.json").write_text(drawn(robot).model_dump_json())
+    forget()
+    (line,) = code_file_lines(tmp_path / "data")
+    assert line.startswith("sensor feeler: made with feeler.py, SHA-256 ")
+    assert main(["sensor", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out/feeler.py").read_text() == TOY
+    assert SENSORS.files == {}
+    (run / "spec.json").write_text(drawn("nominal").model_dump_json())
+    assert main(["sensor", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "none")]) == 2
+    assert "was made without sensors of a user's own" in capsys.readouterr().err
+
+
+def test_the_schema_for_editors_takes_a_list_of_paths():
+    definitions = scenario_json_schema()["$defs"]
+    assert definitions["RobotConfig"]["properties"]["sensor_files"]["items"]["type"] == "string"
