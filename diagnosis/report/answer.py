@@ -21,11 +21,7 @@ def answer(data: ReportData) -> dict[str, object]:
     result |= coupled_wheels.in_json(data.diagnosis.fit)
     result["predictive"] = predictive.in_json(data.predictive)
     result |= discovered.in_json(data.diagnosis.discovery)
-    if errors := fitted_errors(data.diagnosis.fit):
-        sessions: dict[str, dict[str, object]] = {}
-        for each in errors:
-            sessions.setdefault(each.session, {})[each.effect] = {each.number: each.value, "std": each.std}
-        result["sessions"] = sessions
+    result |= _sessions(data)
     if data.by_case:
         result["cases"] = {part.name: _gain("heldout_gain", part.extended) for part in data.by_case}
     if data.intervals:
@@ -53,34 +49,56 @@ def answer(data: ReportData) -> dict[str, object]:
             | ({"parameters": {**tried.values}, "std": {**tried.std}, "cost_fall": tried.drop} if tried.values else {})
             for tried in data.own_effects
         }
-    if data.engines is not None and data.engines.engines:
-        result["engines"] = {
-            engine.engine: _gain("heldout_gain", engine.whole)
-            | {
-                "errors": {
-                    error.quantity: {"unit": error.unit, "nominal": error.before, "extended": error.after}
-                    for error in engine.errors
-                }
-            }
-            for engine in data.engines.engines
-        }
-    if data.unseen:
-        result["unseen"] = {
-            prediction.file: [
-                {
-                    "effect": left.effect,
-                    "condition": left.condition,
-                    "range": [left.low, left.high],
-                    "furthest": left.furthest,
-                    "share": left.share,
-                }
-                for left in prediction.beyond
-            ]
-            for prediction in data.unseen
-        }
+    result |= _engines(data)
+    result |= _unseen(data)
     if data.dataset is not None:
         result["against"] = in_json(data.dataset)
     return result
+
+
+def _sessions(data: ReportData) -> dict[str, object]:
+    """Return the errors of each session; empty if none was fitted."""
+    sessions: dict[str, dict[str, object]] = {}
+    for each in fitted_errors(data.diagnosis.fit):
+        sessions.setdefault(each.session, {})[each.effect] = {each.number: each.value, "std": each.std}
+    return {"sessions": sessions} if sessions else {}
+
+
+def _engines(data: ReportData) -> dict[str, object]:
+    """Return the errors of the nominal and the extended robot in each engine; empty if none drove them."""
+    if data.engines is None or not data.engines.engines:
+        return {}
+    engines = {
+        engine.engine: _gain("heldout_gain", engine.whole)
+        | {
+            "errors": {
+                error.quantity: {"unit": error.unit, "nominal": error.before, "extended": error.after}
+                for error in engine.errors
+            }
+        }
+        for engine in data.engines.engines
+    }
+    return {"engines": engines}
+
+
+def _unseen(data: ReportData) -> dict[str, object]:
+    """Return where unseen runs leave the ranges in which effects were observed; empty without such runs."""
+    if not data.unseen:
+        return {}
+    unseen = {
+        prediction.file: [
+            {
+                "effect": condition.effect,
+                "condition": condition.condition,
+                "range": [condition.low, condition.high],
+                "furthest": condition.furthest,
+                "share": condition.share,
+            }
+            for condition in prediction.beyond
+        ]
+        for prediction in data.unseen
+    }
+    return {"unseen": unseen}
 
 
 def _file_numbers(data: ReportData) -> dict[str, object]:
