@@ -22,11 +22,12 @@ LAP_S = 40.0
 """Simulated time [s] of a lap of the shipped arena; others differ."""
 REAL_TIME_FACTOR = 7.0
 """Simulated seconds per second and core, as README.md and docs/dataset.md state it."""
-RENDER_START_S = 4.0
-"""Time [s] to start Blender and build the scene, for each run."""
+RENDER_START_S = 6.0
+"""Time [s] on one core to start the command and Blender and to build the scene, for each run
+(docs/rendering_time.md#what-plan-assumes, as for the time of a sample)."""
 RENDER_FRAME_S = 0.05
 """Time [s] on one core for an image, beside that for its pixels."""
-RENDER_SAMPLE_S = 8.5e-6
+RENDER_SAMPLE_S = 1e-5
 """Time [s] on one core for a sample of a pixel, with the light paths `standard`."""
 CAUSTICS_TIMES = 1.25
 """Ratio of the time of a sample with caustics, as the light paths `complete` have them, to that of one without."""
@@ -36,11 +37,11 @@ BYTES_PER_PIXEL = 0.2
 """Size [byte] of a pixel of a JPEG image of quality 92."""
 HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
 """Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
-_USUAL = LADDER[1]
-"""Full rendering that is assumed for runs that choose, and for which hybrid rendering is no candidate."""
-PROBED_SAMPLES, HYBRID_PROBED_SAMPLES = 42, 4
+_PREFILTER = LADDER[0].prefilter
+"""Prefilter of the denoiser's guides in full rendering of a run that chooses."""
+PROBED_SAMPLES, HYBRID_PROBED_SAMPLES = 51, 4
 """Samples of a pixel of each image from which a run chooses. With full rendering: four references of 8, because
-candidates are refused from 8 on, and candidates with 2 and 4, whose denoiser takes the time of two each; 8 was the
+candidates are refused from 8 on, and candidates with 2, 4 and 8, whose denoiser takes the time of two each; 8 was the
 median of five shipped looks (2 to 64, docs/rendering_measurements.md). With hybrid rendering: four references of 1, as
 in the three runs with it that were measured. Noisy references take more."""
 ANNOTATION_PIXEL_S = 1.5e-6
@@ -76,6 +77,8 @@ class PlannedRun:
     margin: float
     """Ratio of the traced pixels to those of the image; larger than 1 behind a lens."""
     render_core_s: float
+    full_core_s: float
+    """The same without hybrid rendering, if the run chooses that it is too inexact."""
     start_to_line: str
     """Distance of the start from the line, and angle of its heading to the line; empty without a line, and for the
     images of further cameras."""
@@ -168,9 +171,12 @@ class ScenarioPlan:
 
     @property
     def render_s(self) -> float:
+        return self._on_all_cores(sum(run.render_core_s for run in self._all))
+
+    def _on_all_cores(self, core_s: float) -> float:
         # Fewer workers have several threads each.
         workers = min(self.cores, self.workers or self.cores)
-        return sum(run.render_core_s for run in self._all) / (workers * (self.cores // workers))
+        return core_s / (workers * (self.cores // workers))
 
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
@@ -201,7 +207,7 @@ class ScenarioPlan:
             *(f"WARNING    {line}" for line in self.warnings),
             f"disk       about {self.bytes_needed / 1e6:.0f} MB: {data_mb:.0f} MB of data, the rest in .stages",
             f"simulate   about {seconds(self.simulation_s)}",
-            *([f"render     about {seconds(self.render_s)}"] if self.images else []),
+            *([f"render     about {self._render_times()}"] if self.images else []),
         ]
         by_workers = f"{plural(self.workers, 'worker')} on " if self.workers else ""
         assumed = (
@@ -210,6 +216,12 @@ class ScenarioPlan:
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else ".")
         )
         return "\n".join([*lines, "", *wrap(assumed, WIDTH)])
+
+    def _render_times(self) -> str:
+        """Return the time to render as text, with that of full rendering where a run may choose hybrid rendering."""
+        full_s = self.render_s + self._on_all_cores(sum(run.full_core_s - run.render_core_s for run in self._all))
+        without = f", or {seconds(full_s)} if hybrid rendering is too inexact" if full_s > self.render_s else ""
+        return f"{seconds(self.render_s)}{without}"
 
     def _tracing(self) -> str:
         """Return the assumptions about images, their rays and the denoiser."""
@@ -220,15 +232,16 @@ class ScenarioPlan:
             )
         probed = [run.sampling for run in self._all if run.sampling.probe]
         if any(_is_hybrid(each) for each in probed):
-            costs.append("several times as much in runs for which that is too inexact, ")
-        if not all(_is_hybrid(each) for each in probed):
-            costs.append(f"{_USUAL.samples} samples per pixel where a run chooses, ")
+            costs.append("or else ")
+        if probed:
+            samples = sorted({each.samples for each in probed})
+            costs.append(f"{' or '.join(map(str, samples))} samples per pixel where a run chooses, ")
         if probed:
             counts = " or ".join(map(str, sorted({_probed_samples(each) for each in probed})))
             costs.append(f"{counts} samples per pixel in each image that a run measures, ")
-        full = [run.sampling for run in self._all if not _is_hybrid(run.sampling)]
+        full = [run.sampling for run in self._all if run.sampling.probe or not _is_hybrid(run.sampling)]
         if full:
-            prefilters = {_USUAL.prefilter if each.probe else each.prefilter for each in full if each.denoise}
+            prefilters = {_PREFILTER if each.probe else each.prefilter for each in full if each.denoise}
             times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted(DENOISE_S[name] for name in prefilters)]
             denoising = f"{' or '.join(times_us)} us per pixel to denoise, and " if times_us else "and "
             samples_us = [f"{1e6 * cost_s:.3g}" for cost_s in sorted({_sample_s(each) for each in full})]
@@ -250,9 +263,8 @@ def pixel_s(sampled: TracingSettings) -> float:
     """Return the time [s] on one core for a traced pixel, denoising included."""
     if _is_hybrid(sampled):
         return HYBRID_PIXEL_S
-    if sampled.probe:
-        return _USUAL.samples * _sample_s(sampled) + DENOISE_S[_USUAL.prefilter]
-    return sampled.samples * _sample_s(sampled) + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+    denoise_s = DENOISE_S[_PREFILTER if sampled.probe else sampled.prefilter] if sampled.denoise else 0.0
+    return sampled.samples * _sample_s(sampled) + denoise_s
 
 
 def _sample_s(sampled: TracingSettings) -> float:
@@ -307,16 +319,25 @@ def _planned(spec: RunSpec, camera: RunCamera) -> PlannedRun:
         sampling=sampled,
         margin=_traced(camera) / (render.width_px * render.height_px),
         render_core_s=render_core_s(camera, images),
+        full_core_s=render_core_s(camera, images, may_be_hybrid=False),
         start_to_line="" if camera.name else start_to_line(spec),
     )
 
 
-def render_core_s(camera: RunCamera, images: int) -> float:
-    """Return the time [s] of one core for a number of images of a camera in one run, annotations included."""
+def render_core_s(camera: RunCamera, images: int, *, may_be_hybrid: bool = True) -> float:
+    """Return the time [s] of one core for a number of images of a camera in one run, annotations included.
+
+    Args:
+        camera: Camera of the run.
+        images: Number of its images.
+        may_be_hybrid: Whether a run that chooses its rendering is assumed to choose hybrid rendering if it can.
+    """
     if not images:
         return 0.0
     render, traced = camera.spec.render, _traced(camera)
     sampled = tracing_settings(rendering_of(render, camera.spec.robot.camera), camera.spec.seed, images=images)
+    if sampled.probe and not may_be_hybrid:
+        sampled = replace(sampled, hybrid=None)
     image_s = (HYBRID_FRAME_S if _is_hybrid(sampled) else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     measured = len(probed_numbers(images)) if sampled.probe else 0
     choice_s = measured * traced * _probed_samples(sampled) * _sample_s(sampled)
