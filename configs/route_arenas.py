@@ -14,8 +14,8 @@ ROUTES, ARENA = "routes", "arena"
 
 def arena_path(root: Node, index: int) -> FieldPath:
     """Return the path of the arena of a route in the tree of a scenario: its own, or that of the scenario."""
-    own: FieldPath = (ROUTES, index, ARENA)
-    return (ARENA,) if root.plain_at(own) is None else own
+    path: FieldPath = (ROUTES, index, ARENA)
+    return (ARENA,) if root.plain_at(path) is None else path
 
 
 def check_arena_is_used(root: Node, file: str, overrides: Sequence[str]) -> None:

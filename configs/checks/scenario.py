@@ -46,8 +46,8 @@ def check_run(scenario: Scenario, root: Node, index: int, run: int) -> None:
         run: Number of the run.
     """
     note = f"drawn for {scenario.routes[0].name} run {run}; narrow the distributions or take another seed"
-    own = arena_path(root, index)
-    _refuse((fault.below(ARENA, own) for fault in _scenario_faults(scenario, [index])), root, note)
+    path = arena_path(root, index)
+    _refuse((fault.below(ARENA, path) for fault in _scenario_faults(scenario, [index])), root, note)
 
 
 def check_splits(scenario: Scenario, root: Node) -> None:

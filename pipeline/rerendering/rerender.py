@@ -335,11 +335,11 @@ def _with_new_arenas(
     """Yield the routes of the source; of their own arenas those that still differ from that of the release."""
     arenas = {run.spec.drawn_as[0]: run.spec.arena for run in reversed(runs)}
     for route in routes:
-        kept = {key: value for key, value in route.items() if key != "arena"}
+        fields = {key: value for key, value in route.items() if key != "arena"}
         arena = arenas.get(str(route.get("name")))
         if route.get("arena") and request.arena is None and arena is not None:
-            kept["arena"] = arena.model_dump(mode="json")
-        yield kept
+            fields["arena"] = arena.model_dump(mode="json")
+        yield fields
 
 
 def _tree(

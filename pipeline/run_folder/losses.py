@@ -212,11 +212,11 @@ def _own_sensors(metadata: Metadata | None, unchanged: Mapping[str, SceneSpec]) 
     if metadata is None or not unchanged:
         return ()
     kinds = {*SENSORS.by_name(), LOGGED}
-    present = {(name, settings.kind or name) for spec in unchanged.values() for name, settings in spec.robot.sensors}
+    remaining = {(name, settings.kind or name) for spec in unchanged.values() for name, settings in spec.robot.sensors}
     return tuple(
         name
         for name, sensor in metadata.sensors.items()
-        if sensor.kind not in kinds and (name, sensor.kind) not in present
+        if sensor.kind not in kinds and (name, sensor.kind) not in remaining
     )
 
 

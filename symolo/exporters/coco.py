@@ -99,8 +99,8 @@ def _document(data: Dataset, runs: Sequence[RunFolder], chosen: Sequence[Image],
             index = len(images)
             images.append(_image(image, ids.image(index)))
             for instance_id, annotation in labels.annotations(image):
-                own = {"id": ids.annotation(index, instance_id), "image_id": ids.image(index)}
-                annotations.append(own | annotation)
+                numbers = {"id": ids.annotation(index, instance_id), "image_id": ids.image(index)}
+                annotations.append(numbers | annotation)
     metadata = data.metadata
     description = metadata.description or metadata.name if metadata else data.root.name
     content = {
