@@ -1,10 +1,13 @@
 """The files of the user's own effects and sensors that a dataset was made with."""
 
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from configs.families import Family
 from configs.schema.code_file import CodeFile
 from configs.user_files import ROBOT_FILES, RobotFiles
 from pipeline.run_folder.stored_runs import simulated_folders
@@ -16,6 +19,20 @@ from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import SPEC
 
 FILES: TypeAdapter[list[CodeFile]] = TypeAdapter(list[CodeFile])
+
+
+def new_class_name(name: str, family: Family[Any], example: str) -> str:
+    """Return the name of the class of a new member.
+
+    Raises:
+        InputError: The name cannot be that of a member, or a shipped member has it.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*", name) or len(name) > 60:
+        allowed = f"small letters and digits, words joined by '_', such as {example}"
+        raise InputError("NAME", got=name, allowed=allowed)
+    if name in {member.name for member in family.shipped}:
+        raise InputError("NAME", got=name, cure=f"a shipped {family.noun} has this name; take another one")
+    return "".join(word.capitalize() for word in name.split("_"))
 
 
 def code_files(folder: Path, kind: RobotFiles) -> tuple[CodeFile, ...]:

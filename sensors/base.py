@@ -188,7 +188,7 @@ class Sensor(ABC):
             where = f"{code.co_filename}:{code.co_firstlineno}" if code else ""
             what = f"sensor {self.name}: the reading at {t_s:.3f} s"
             raise InputError(what, where=where, got=str(reading), allowed=allowed)
-        return np.asarray(reading, dtype=np.float64)
+        return np.array(reading, dtype=np.float64)  # a copy, since a sensor may return the same array again
 
 
 def quantise(value: Array, step: float) -> Array:

@@ -7,10 +7,11 @@ from pathlib import Path
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
 from pipeline.effects.closest import Resemblance, closest
-from pipeline.effects.contract import RULES, RuleVerdict, judged
+from pipeline.effects.contract import RULES, judged
 from pipeline.effects.listing import settings_of
 from pipeline.effects.probe import Probe
 from pipeline.effects.trial import EffectTrial, trials
+from pipeline.rules import RuleVerdict, rule_lines
 from symolo.core.errors import InputError
 
 MIN_SHARE = 0.05
@@ -79,14 +80,7 @@ def _verdicts(trial: EffectTrial) -> Iterator[RuleVerdict]:
 def check_text(checked: CheckedEffect) -> Iterator[str]:
     """Yield the lines about the result, each rule with what it means."""
     yield f"{checked.effect.name}, in the slot '{checked.effect.slot}': {checked.effect.cause}"
-    for rule in RULES:
-        verdicts = [(choice, verdict) for choice, verdict in checked.verdicts if verdict.rule is rule]
-        problems = [f"{choice}: {one.problem}" if choice else one.problem for choice, one in verdicts if one.problem]
-        name, meaning = rule.name, rule.meaning
-        if any(verdict.is_failure for _, verdict in verdicts):
-            name, meaning = "runs", "apply runs without an error"
-        yield f"  {'FAILED' if problems else 'ok' if verdicts else '-':<7}{name:<10}{meaning}"
-        yield from (f"         {problem}" for problem in problems)
+    yield from rule_lines(RULES, checked.verdicts, "apply")
     if not checked.is_good:
         return
     if checked.resembles is None or checked.resembles.share < MIN_SHARE:

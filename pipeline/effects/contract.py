@@ -3,8 +3,7 @@
 `symolo effect check` and `tests/contracts/test_effects.py` use these rules.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any
 
@@ -18,8 +17,8 @@ from pipeline.effects.calls import Call, frozen, numbers_in, rows_of
 from pipeline.effects.closest import SAME_SHARE, closest
 from pipeline.effects.probe import ABOUT, Readings, equal
 from pipeline.effects.trial import EffectTrial
+from pipeline.rules import BrokenRule, Rule, RuleVerdict, verdicts
 from symolo.core.arrays import Array
-from symolo.core.errors import one_line
 
 LONGEST_BOUND = 1e5
 MIN_TEXT = 10
@@ -32,42 +31,9 @@ FACTORS = frozenset({"scale", "gain", "height_scale"})
 """Names of parameters that multiply, whose null value is 1."""
 
 
-class BrokenRule(Exception):  # noqa: N818 - an outcome with a name
-    """An effect breaks a rule; the text says how, and what to do."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """One rule of the contract."""
-
-    name: str
-    meaning: str
-    test: Callable[[EffectTrial], None]
-    """Function that raises BrokenRule."""
-
-
-@dataclass(frozen=True)
-class RuleVerdict:
-    """Result of one rule for one effect."""
-
-    rule: Rule
-    problem: str
-    """Why the effect breaks it; empty where it keeps it."""
-    is_failure: bool = False
-    """Whether the function of the effect raised an error, so that the rule could not be tested."""
-
-
-def judged(trial: EffectTrial, rules: "Sequence[Rule] | None" = None) -> Iterator[RuleVerdict]:
+def judged(trial: EffectTrial, rules: Sequence[Rule[EffectTrial]] | None = None) -> Iterator[RuleVerdict]:
     """Yield the verdict of each rule; an error in the effect's function is one as well."""
-    for rule in RULES if rules is None else rules:
-        try:
-            rule.test(trial)
-        except BrokenRule as broken:
-            yield RuleVerdict(rule, one_line(str(broken)))
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - the function of a user may raise whatever it likes
-            yield RuleVerdict(rule, one_line(place_and_text(error, trial.effect)), is_failure=True)
-        else:
-            yield RuleVerdict(rule, "")
+    return verdicts(trial, RULES if rules is None else rules, lambda error: place_and_text(error, trial.effect))
 
 
 def place_and_text(error: BaseException, effect: type[Effect]) -> str:
@@ -288,7 +254,7 @@ def _distinct(trial: EffectTrial) -> None:
         raise BrokenRule(f"{rival.name} has the same effect on all readings; use that one")
 
 
-RULES = (
+RULES: tuple[Rule[EffectTrial], ...] = (
     Rule("texts", "cause and excitation say in words where it comes from and what shows it; setups is given", _texts),
     Rule("bounds", "bounds are finite, in order, and hold null and start", _bounds),
     Rule("units", "every number has a unit, which its name ends with", _units),

@@ -1,10 +1,10 @@
 """A file with an effect of one's own to begin with, for those slots in which there is more than one law."""
 
 import inspect
-import re
 
 from configs.effects.base import Slot
 from configs.effects.registry import EFFECTS
+from pipeline.code_files import new_class_name
 from pipeline.effects.template_laws import LAWS
 from symolo.core.errors import InputError, nearest
 
@@ -51,18 +51,13 @@ def template(name: str, slot: Slot) -> str:
     Raises:
         InputError: The name cannot be that of an effect, or a shipped effect has it.
     """
-    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z][a-z0-9]*)*", name) or len(name) > 60:
-        allowed = "small letters and digits, words joined by '_', such as oval_wheel"
-        raise InputError("NAME", got=name, allowed=allowed)
-    if name in {effect.name for effect in EFFECTS.shipped}:
-        raise InputError("NAME", got=name, cure="a shipped effect has this name; take another one")
     law = LAWS[slot]
     imports = "".join(f"{line}\n" for line in law.imports)
     text = TEXT.format(
         about=law.about,
         imports=imports,
         name=name,
-        class_name="".join(word.capitalize() for word in name.split("_")),
+        class_name=new_class_name(name, EFFECTS, "oval_wheel"),
         slot=slot.name,
         words=slot,
         cause=law.cause,
