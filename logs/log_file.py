@@ -63,6 +63,21 @@ class LogFile:
             raise InputError(f"column {name}", where=where, got=got, allowed="a number or an empty cell", cure=cure)
         return values
 
+    def times(self, name: str) -> Array:
+        """Return a column of times (N,), each of which is a number.
+
+        Raises:
+            InputError: A cell is no number, or empty; the message names its row.
+        """
+        values = np.array([self._number(cell) for cell in self.columns[name]])
+        wrong = np.flatnonzero(~np.isfinite(values)).tolist()
+        if wrong:
+            more = f"; rows without a time: {len(wrong)}" if len(wrong) > 1 else ""
+            where, got = self.where(wrong[0]), self.columns[name][wrong[0]]
+            cure = f"remove each row whose time is not known{more}"
+            raise InputError(f"column {name}", where=where, got=got, allowed="a number, since it is a time", cure=cure)
+        return values
+
     def _number(self, cell: str) -> float:
         """Return the number in a cell; NaN if it is missing, and infinity if it is anything else."""
         if not cell or NO_NUMBER.fullmatch(cell):

@@ -16,7 +16,7 @@ from logs.mapping import MAPPING, LogMapping, Source
 from logs.plausible_units import OTHER_UNITS, beyond_scale, likely_unit
 from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
 from logs.times import usual_step
-from logs.units import PERCENT, HeaderName, factor_to, taken_apart
+from logs.units import PERCENT, HeaderName, factor_to, fits, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
@@ -88,6 +88,8 @@ def propose_as(
                 else:
                     unit, reason = _guessed(kind, name, log.numbers(column), log)
                 warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
+        if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
+            warnings.append(f"{column} ({name}): taken for degrees; if a turn has 400, write unit: gon in {MAPPING}")
         sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
         sources[name] = Source(column=column, unit="" if unit == ours else unit, factor=sense)
     for name in [name for name in COUNTED if name in sources and _are_per_row(log, name, sources)]:
@@ -100,19 +102,24 @@ def propose_as(
 
 
 def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> InputError:
-    """Return an error that names what is missing of the set of quantities that is nearest to complete.
+    """Return an error that names what is missing of each set of quantities that would do, the nearest one first.
 
     A range is named only if it alone is missing, and then beside what else would do.
     """
-    several = [needed - set(recognised) for needed in kind.needed]
+    order = sorted(kind.needed, key=lambda needed: -len(needed.intersection(recognised)))
+    several = [needed.difference(recognised) for needed in order]
     without_range = [lacking for lacking in several if not lacking & kind.ranges] or several
-    nearest = dict.fromkeys(min(sets, key=len) for sets in (without_range, several))
-    names = " or ".join(" ".join(sorted(each)) for each in nearest)
+    lone_range = [lacking for lacking in several if lacking <= kind.ranges][:1]
+    sets = [each for each in dict.fromkeys((*without_range, *lone_range)) if not any(other < each for other in several)]
+    order_of_name = kind.names.index
+    names = ", or else as ".join(" ".join(sorted(each, key=order_of_name)) for each in sets)
     unused = [name for name in log.columns if name not in recognised.values()]
     cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
     if kind.column_option and unused:
-        first = _example(without_range, several, unused)
-        cure = f"name the column of each, such as {shlex.join([kind.column_option, first])}; or {cure}"
+        first = _example(log, kind, sets, unused)
+        example = f", such as {shlex.join([kind.column_option, first])}" if first else ""
+        form = "" if first else f" with {kind.column_option} QUANTITY=COLUMN"
+        cure = f"name the column of each{form}{example}; or {cure}"
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
@@ -121,21 +128,37 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     )
 
 
-def _example(
-    without_range: Sequence[Collection[str]], several: Sequence[Collection[str]], unused: Sequence[str]
-) -> str:
-    """Return a quantity that is missing and a column for it; it is a range only if nothing else can be completed."""
-    counts = [column for column in unused if COUNT_WORDS & set(taken_apart(column).words)]
-    possible = [lacking for lacking in without_range if counts or len(lacking) <= len(unused)] or several
-    lacking = min(possible, key=len)
-    name = "t_s" if "t_s" in lacking else min(lacking)
-    return f"{name}={(counts if name in COUNTED and counts else unused)[0]}"
+def _example(log: LogFile, kind: LogKind, sets: Sequence[Collection[str]], unused: Sequence[str]) -> str:
+    """Return a quantity that is missing and a column that may hold it; empty if no column may."""
+    for lacking in sets:
+        for name in sorted(lacking, key=kind.names.index):
+            possible = [column for column in unused if _may_hold(log, column, name, kind.unit_of(name))]
+            counts = [column for column in possible if COUNT_WORDS & {*taken_apart(column).words}]
+            stated = [column for column in possible if taken_apart(column).unit]
+            if columns := [*(counts if name in COUNTED else stated), *possible]:
+                return f"{name}={columns[0]}"
+    return ""
+
+
+def _may_hold(log: LogFile, column: str, name: str, unit: str) -> bool:
+    """Return whether a column has numbers, increasing ones of a time, and no unit that the quantity cannot have."""
+    if not fits(taken_apart(column), unit):
+        return False
+    try:
+        numbers = log.numbers(column)
+    except InputError:
+        return False
+    known = numbers[np.isfinite(numbers)]
+    if name == "t_s":
+        return len(known) == len(numbers) and len(known) > 1 and bool(np.all(np.diff(known) > 0.0))
+    return len(known) > 0
 
 
 def time_step_s(log: LogFile, column: str) -> float:
     """Return the usual time [s] between two rows, by a column whose unit may be a guess."""
-    unit = taken_apart(column).unit or _guessed_time(log.numbers(column), log)[0]
-    return factor_to("s", unit, column) * _step(log.numbers(column))
+    times = log.times(column)
+    unit = taken_apart(column).unit or _guessed_time(times, log)[0]
+    return factor_to("s", unit, column) * _step(times)
 
 
 def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array], log: LogFile) -> Sequence[InputError]:

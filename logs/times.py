@@ -9,6 +9,9 @@ from symolo.core.progress import plural
 
 MAX_OFF_STEPS = 0.5
 """How far, in usual steps, the time between the rows before and after those out of order may be from whole steps."""
+MAX_OFF_SCATTER, SCATTER_SHARE, MAX_OFF_UNEVEN_STEPS = 1.5, 0.9, 0.9
+"""The same for an uneven clock: a multiple of the difference from the usual step that this share of the steps has at
+most, but less than a whole step."""
 
 
 def usual_step(steps_s: Array) -> float:
@@ -48,21 +51,26 @@ def stray_rows(t_s: Array) -> NDArray[np.bool_]:
     back = np.flatnonzero(steps_s < 0.0) + 1
     if not len(back) or not np.any(steps_s > 0.0):
         return stray
-    usual_s = usual_step(steps_s[steps_s > 0.0])
+    ahead_s = steps_s[steps_s > 0.0]
+    usual_s = usual_step(ahead_s)
+    scatter_s = float(np.quantile(np.abs(ahead_s - usual_s), SCATTER_SHARE))
+    max_off_s = max(MAX_OFF_STEPS * usual_s, min(MAX_OFF_SCATTER * scatter_s, MAX_OFF_UNEVEN_STEPS * usual_s))
     for row in back:
-        one = _stray(t_s, int(row), usual_s)
+        one = _stray(t_s, int(row), usual_s, max_off_s)
         if one is not None:
             stray[one] = True
     return stray
 
 
-def _stray(t_s: Array, row: int, usual_s: float) -> int | None:
+def _stray(t_s: Array, row: int, usual_s: float, max_off_s: float) -> int | None:
     """Return the row that is out of order where the time goes back at a row; None if something new begins there."""
     last = len(t_s) - 1
 
     def are_apart(first: int, second: int) -> bool:
         is_inside = first >= 0 and second <= last
-        return is_inside and abs(t_s[second] - t_s[first] - (second - first) * usual_s) <= MAX_OFF_STEPS * usual_s
+        if not is_inside or t_s[second] <= t_s[first]:
+            return False
+        return bool(abs(t_s[second] - t_s[first] - (second - first) * usual_s) <= max_off_s)
 
     # Either this row is too early, or the one before it is too late, or the two are exchanged.
     for one in (row, row - 1):

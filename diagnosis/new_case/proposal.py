@@ -11,7 +11,7 @@ from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
 from logs.proposal import Proposal, missing, propose_as, time_step_s
 from logs.quantity import LEFT, RIGHT, SIDES
-from logs.units import taken_apart, units_for
+from logs.units import fits, taken_apart, units_for
 from symolo.core.errors import InputError, nearest
 
 STEADY_FROM_S = 0.25
@@ -61,15 +61,19 @@ def _check_unit(name: str, column: str) -> None:
         InputError: The name does so.
     """
     ours = next((unit for one in KINDS if (unit := KINDS[one].unit_of(name))), "")
-    unit = taken_apart(column).unit if column != name else ""
-    if ours and unit and unit not in units_for(ours):
-        raise InputError(
-            f"the name of the column seems to state the unit {unit}",
-            where=f"{COLUMN_OPTION} {name}={column}",
-            allowed=", ".join(units_for(ours)),
-            cure=f"rename the column, or write a {MAPPING} with its unit (docs/case_from_log.md) and name it with"
-            " --mapping",
-        )
+    header = taken_apart(column)
+    if column == name or fits(header, ours):
+        return
+    state = (
+        f"seems to state the unit {header.unit}" if header.unit else f"states {header.unknown}, which is no known unit"
+    )
+    raise InputError(
+        f"the name of the column {state}",
+        where=f"{COLUMN_OPTION} {name}={column}",
+        allowed=", ".join(units_for(ours)),
+        cure=f"rename the column, or write a {MAPPING} with its unit or factor (docs/case_from_log.md) and name it with"
+        " --mapping",
+    )
 
 
 def propose(

@@ -70,15 +70,17 @@ _QUANTITIES: Mapping[CaseKind, tuple[Quantity, ...]] = {
 
 _NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {
     CaseKind.DRIVE_LOG: (
-        frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "u_left_V", "u_right_V"}),
         frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "x_m", "y_m", "theta_rad"}),
+        frozenset({"t_s", "enc_left_ticks", "enc_right_ticks", "u_left_V", "u_right_V"}),
         *(frozenset({"t_s", "x_m", "y_m", "theta_rad", f"tof_{side}_m"}) for side in RANGE_SIDES),
     ),
     CaseKind.TOF_BENCH: (frozenset({"distance_m", "reading_m"}),),
     CaseKind.MOTOR_STEP: (frozenset({"t_s", "u_cmd_V", "omega_rad_s"}), frozenset({"t_s", "u_cmd_V", "current_A"})),
     CaseKind.MOTOR_STEADY: (frozenset({"u_cmd_V", "omega_rad_s"}), frozenset({"u_cmd_V", "current_A"})),
 }
-"""Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried."""
+"""Sets of quantities of which a log of a kind must have one, in the order in which the kinds are tried.
+
+Poses stand before voltages: they show more of a drive, and are named first if both are missing."""
 
 _BY_UNIT: Mapping[CaseKind, frozenset[str]] = {
     kind: frozenset({"t_s", "u_cmd_V", "current_A", "omega_rad_s"})

@@ -126,11 +126,10 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                numbers = factor * running_counts(source.numbers(log), source, name, notes) + source.offset
-            if name == "t_s":
-                _check_times(numbers, log, source.column)
-                if kind in IN_TIME or numbers[0] > LONG_AFTER_S:  # those of a computer count from 1970
-                    numbers = numbers - numbers[0]
+                logged = log.times(source.column) if name == "t_s" else source.numbers(log)
+                numbers = factor * running_counts(logged, source, name, notes) + source.offset
+            if name == "t_s" and (kind in IN_TIME or numbers[0] > LONG_AFTER_S):  # of a computer, from 1970
+                numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
     if not faults.faults:
         faults.faults += unit_faults(mapping, KINDS[kind], values, log) or input_faults(mapping, values, log)
@@ -140,13 +139,6 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
         f"{note}; short gaps are bridged where rows are sampled again" for note in missing_note(mapping, log, names)
     ]
     return values
-
-
-def _check_times(t_s: Array, log: LogFile, column: str) -> None:
-    missing = np.flatnonzero(~np.isfinite(t_s)).tolist()
-    if missing:
-        where = log.where(missing[0])
-        raise InputError(f"column {column}: the time is missing", where=where, cure="remove rows without a time")
 
 
 def _trials(

@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from logs import units
 from logs.plausible_units import OTHER_UNITS
 from logs.possible_motion import LONGEST_STEP_S, SHORTEST_STEP_S
 from logs.times import usual_step
@@ -23,7 +24,12 @@ WIDEST_M = 100.0
 
 def per_unit(ours: str) -> Mapping[str, float]:
     """Return how many of each unit make one of ours; an empty name is ours."""
-    return {"": 1.0, **dict(OTHER_UNITS[ours])}
+    return {"": 1.0, **units.per_unit(ours)}
+
+
+def guessable(ours: str) -> list[str]:
+    """Return the units that a column may have whose name states none; an empty name is ours."""
+    return ["", *(name for name, _ in OTHER_UNITS[ours])]
 
 
 def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_units: Sequence[str]) -> tuple[str, str]:
@@ -43,8 +49,8 @@ def time_and_length(t: Array, place: Array, time_units: Sequence[str], length_un
     step = usual_step(steps[steps > 0.0]) if np.any(steps > 0.0) else 0.0
     extent = float(np.ptp(place, axis=0).max())
 
-    def cost(units: tuple[str, str]) -> tuple[bool, bool, bool, float, int]:
-        time, length = units
+    def cost(pair: tuple[str, str]) -> tuple[bool, bool, bool, float, int]:
+        time, length = pair
         step_s, speed_m_s, extent_m = step / per_s[time], speed * per_s[time] / per_m[length], extent / per_m[length]
         is_possible = SLOWEST_M_S <= speed_m_s <= FASTEST_M_S or speed == 0.0
         away = abs(math.log(speed_m_s / USUAL_M_S)) if speed_m_s > 0.0 else 0.0

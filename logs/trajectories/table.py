@@ -16,7 +16,7 @@ from logs.proposal import Proposal, missing, propose_as, unit_faults
 from logs.recognition import first_row, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
-from logs.trajectories.motion_units import per_unit, time_and_length
+from logs.trajectories.motion_units import guessable, per_unit, time_and_length
 from logs.trajectories.path_direction import headings_along
 from logs.trajectories.planar import on_floor
 from logs.trajectories.quantities import DRIVE_QUANTITIES, QUATERNION, READING_OF, TRAJECTORY
@@ -64,8 +64,8 @@ def _guess_motion(log: LogFile, sources: dict[str, Source], known: Mapping[str, 
     if len(t) < 2:
         return []
     length_known = known["x_m"] or known["y_m"]
-    times = [sources["t_s"].unit] if known["t_s"] else list(per_unit("s"))
-    lengths = [sources["x_m"].unit or sources["y_m"].unit] if length_known else list(per_unit("m"))
+    times = [sources["t_s"].unit] if known["t_s"] else guessable("s")
+    lengths = [sources["x_m"].unit or sources["y_m"].unit] if length_known else guessable("m")
     time, length = time_and_length(t, place, times, lengths)
     lines = []
     if not known["t_s"]:

@@ -195,7 +195,7 @@ def test_a_broken_rule_ends_with_exit_code_2(tmp_path, capsys):
         (('Annotated[float, Parameter("1/A", null=0.0, start=0.1, low=0.0, high=0.5)]', "float = 0.1"),
          r"bent_shunt\.py:12: effect bent_shunt: bend_per_A is no parameter; write bend_per_A: Annotated"),
         (("self, current_A", "self, current_A, view"),
-         r"py:12: effect bent_shunt: arguments of apply: got '\(self, current_A, view\)', allowed: \(self, current_A\) in"),
+         r"effect bent_shunt: arguments of apply: got '\(self, current_A, view\)', allowed: \(self, current_A\) in"),
         (("Slot.CURRENT_READING", "Slot.CREEP"),
          r"got '\(self, current_A\)', allowed: \(self, creep_m, rolled_m, middle_m\) in Slot\.CREEP"),
         ((", high=0.5", ""), r"bent_shunt\.py:18: effect file: TypeError: .*high"),

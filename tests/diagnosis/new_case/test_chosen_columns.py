@@ -1,5 +1,8 @@
 """Columns that the user chooses with `--column`, beside those that are recognised by their names."""
 
+import re
+import shlex
+
 import numpy as np
 import pytest
 import yaml
@@ -161,3 +164,62 @@ def test_a_number_in_another_unit_is_named_with_its_value_in_ours(init, columns)
         "wheel_diameter_m: got 65, allowed: a number, above 0 to 0.5; is it in metres? 65 mm are 0.065"
         in err.replace("'", "")
     )
+
+
+def advised(error):
+    """Return the words of the option in the advice of an error."""
+    return shlex.split(re.search(r"such as (--column [^;]+);", error)[1])
+
+
+def test_the_advised_column_can_have_the_unit_of_the_quantity_and_the_advice_works(init, columns):
+    """A battery in mV is no time, and neither is a heading that goes back."""
+    extra = {"battery_mV": np.full(len(columns["x_cm"]), 7400), "spin_deg": columns["heading_deg"]}
+    logged = {**extra, **renamed(columns, time_ms="loop")}
+    code, _, err, _ = init(logged)
+    assert code == 2
+    assert advised(err) == ["--column", "t_s=loop"]
+    code, _, err, _ = init(logged, *advised(err))
+    assert (code, err) == (0, "")
+
+
+def test_without_a_column_that_can_be_the_missing_quantity_the_advice_names_none(init, columns):
+    logged = {"battery_mV": np.full(len(columns["x_cm"]), 7400), **columns}
+    del logged["time_ms"]
+    code, _, err, _ = init(logged)
+    assert code == 2
+    assert "name the column of each with --column QUANTITY=COLUMN; or rename them" in err
+
+
+def test_of_a_log_with_counts_alone_poses_are_named_before_voltages(init, columns):
+    code, _, err, _ = init({name: columns[name] for name in ("time_ms", "enc_l", "enc_r")})
+    assert code == 2
+    assert "no column was recognised as x_m y_m theta_rad, or else as u_left_V u_right_V, which" in err
+
+
+def test_inches_in_the_name_of_a_place_are_inches(init, columns, tmp_path):
+    inches = {
+        "x_in": np.round(np.asarray(columns["x_cm"]) / 2.54, 6),
+        "y_in": np.round(np.asarray(columns["y_cm"]) / 2.54, 6),
+    }
+    logged = {name: column for name, column in columns.items() if name not in {"x_cm", "y_cm"}}
+    init(columns, "--out", "in_cm")
+    code, out, err, _ = init({**logged, **inches})
+    assert (code, err) == (0, "")
+    assert "x_m             from x_in, in in" in out
+    in_cm, in_inches = (
+        np.genfromtxt(tmp_path / case / "data.csv", delimiter=",", names=True)["x_m"] for case in ("in_cm", "run")
+    )
+    np.testing.assert_allclose(in_inches, in_cm, atol=1e-6)
+
+
+def test_a_chosen_column_with_an_unknown_unit_in_brackets_is_refused_and_not_guessed(init, columns):
+    code, _, err, _ = init(renamed(columns, x_cm="x [furlong]"), "--column", "x_m=x [furlong]")
+    assert code == 2
+    assert "--column x_m=x [furlong]: the name of the column states furlong, which is no known unit" in err
+    assert "allowed: m, mm, cm, um, in, ft" in err
+
+
+def test_grad_is_taken_for_degrees_with_a_word_on_gon(init, columns):
+    code, out, _, _ = init(renamed(columns, heading_deg="heading_grad"))
+    assert code == 0
+    assert "heading_grad (theta_rad): taken for degrees; if a turn has 400, write unit: gon in mapping.yaml" in out

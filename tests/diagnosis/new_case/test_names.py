@@ -1,5 +1,7 @@
 """Names of columns: words, units and the quantities that they mean."""
 
+import math
+
 import pytest
 
 from diagnosis.measured.measurement import CaseKind
@@ -29,6 +31,29 @@ from symolo.core.errors import InputError
         ("Drehzahl [1/min]", ("drehzahl",), "rpm"),
         ("speed (U/min)", ("speed",), "rpm"),
         ("tof front [unknown]", ("tof", "front", "unknown"), ""),
+        ("x_in", ("x",), "in"),
+        ("range (inch)", ("range",), "in"),
+        ("battery_in", ("battery", "in"), ""),
+        ("y [ft]", ("y",), "ft"),
+        ("heading [gon]", ("heading",), "gon"),
+        ("speed_kmh", ("speed",), "km/h"),
+        ("speed [km/h]", ("speed",), "km/h"),
+        ("speed mph", ("speed",), "mph"),
+        ("v [m.s-1]", ("v",), "m/s"),
+        ("v (m s^-1)", ("v",), "m/s"),
+        ("v_mm_per_s", ("v",), "mm/s"),
+        ("gyro [°/s]", ("gyro",), "degrees per second"),
+        ("gyro °/s", ("gyro",), "degrees per second"),
+        ("w [rad s⁻¹]", ("w",), "rad/s"),
+        ("w (deg/sec)", ("w",), "degrees per second"),
+        ("t [µs]", ("t",), "us"),
+        ("t [μs]", ("t",), "us"),
+        ("t_ns", ("t",), "ns"),
+        ("t [min]", ("t",), "minutes"),
+        ("range_min", ("range", "min"), ""),
+        ("duty %", ("duty",), "percent"),
+        ("duty%", ("duty",), "percent"),
+        ("%time", ("time",), ""),
     ],
 )
 def test_a_name_is_taken_apart_into_words_and_unit(name, words, unit):
@@ -42,6 +67,27 @@ def test_a_name_is_taken_apart_into_words_and_unit(name, words, unit):
 def test_a_unit_gives_its_factor(ours, unit, factor):
     assert factor_to(ours, unit, "here") == pytest.approx(factor)
     assert factor_to(ours, "", "here") == factor_to(ours, ours, "here") == 1.0
+
+
+@pytest.mark.parametrize(
+    ("ours", "unit", "factor"),
+    [
+        ("m", "inch", 0.0254),
+        ("m", "ft", 0.3048),
+        ("m", "um", 1e-6),
+        ("rad", "gon", 2.0 * math.pi / 400.0),
+        ("rad", "rev", 2.0 * math.pi),
+        ("rad/s", "rps", 2.0 * math.pi),
+        ("s", "min", 60.0),
+        ("m/s", "km/h", 1000.0 / 3600.0),
+        ("m/s", "mph", 1609.344 / 3600.0),
+        ("m/s", "ft/s", 0.3048),
+        ("m/s", "in/s", 0.0254),
+    ],
+)
+def test_a_unit_that_is_only_stated_has_its_defined_factor(ours, unit, factor):
+    """NIST SP 811, appendix B: an inch is 0.0254 m, a mile 1609.344 m, and a turn has 400 gon."""
+    assert factor_to(ours, unit, "here") == pytest.approx(factor, rel=1e-15)
 
 
 def test_a_unit_of_another_quantity_is_refused():

@@ -155,7 +155,9 @@ def test_a_single_range_sensor_without_a_side_is_taken_for_the_one_in_front(log)
 
 def test_what_is_missing_is_named_beside_a_range_that_would_do(log):
     path = log("t,u_left,u_right,w_left,w_right,x,y,theta\n0,1,2,3,4,0,0,0\n")
-    with pytest.raises(InputError, match=r"recognised as enc_left_ticks enc_right_ticks or tof_front_m, which"):
+    with pytest.raises(
+        InputError, match=r"recognised as enc_left_ticks enc_right_ticks, or else as tof_front_m, which"
+    ):
         propose(path)
 
 
@@ -547,8 +549,9 @@ def test_a_quantity_without_a_column_is_named_beside_the_columns_that_are_not_re
     with pytest.raises(InputError) as raised:
         propose(columns, kind)
     assert re.search(
-        r"no column was recognised as theta_rad, which a log of the kind drive_log needs; not recognised: spin, foo; "
-        r"name the column of each, such as --column theta_rad=spin; or rename them, or write a mapping.yaml",
+        r"no column was recognised as theta_rad, or else as u_left_V u_right_V, which a log of the kind drive_log "
+        r"needs; not recognised: spin, foo; name the column of each, such as --column theta_rad=spin; or rename "
+        r"them, or write a mapping.yaml",
         str(raised.value),
     )
 

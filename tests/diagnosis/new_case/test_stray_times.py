@@ -60,6 +60,37 @@ def test_a_clock_that_steps_back_and_stays_there_begins_a_new_trial(tmp_path):
     assert not [note for note in measurement.notes if "out of order" in note]
 
 
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("share", [0.1, 0.25, 0.4])
+def test_stray_times_of_a_clock_that_scatters_are_left_out(share, seed, tmp_path):
+    """Each stamp is off by up to a share of the step, so that no two rows are exchanged."""
+    columns = drive_rows(0.05 * np.arange(200))
+    rng = np.random.Generator(np.random.PCG64(seed))
+    columns["time_ms"] = np.rint(50.0 * (np.arange(200) + rng.uniform(-share, share, 200))).astype(int)
+    columns["time_ms"][[30, 90, 150]] = 0, 9990, 20
+    measurement = measured(tmp_path, columns)
+    assert len(measurement.trials) == 1
+    assert "left out, because its time alone is out of order: row 32 and 2 others" in measurement.notes
+
+
+def test_a_clock_that_scatters_and_begins_again_has_two_trials(tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    rng = np.random.Generator(np.random.PCG64(1))
+    columns["time_ms"] = np.rint(50.0 * (np.arange(200) % 100 + rng.uniform(-0.4, 0.4, 200))).astype(int)
+    assert len(measured(tmp_path, columns).trials) == 2
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "later"])
+def test_a_row_without_a_time_is_to_be_removed_whatever_its_cell_holds(cell, tmp_path):
+    columns = drive_rows(0.05 * np.arange(200))
+    columns["time_ms"] = [cell if row in {7, 9} else time_ms for row, time_ms in enumerate(columns["time_ms"])]
+    with pytest.raises(InputError) as raised:
+        measured(tmp_path, columns)
+    assert f"row 9: column time_ms: got {cell!r}, allowed: a number, since it is a time" in str(raised.value)
+    assert "remove each row whose time is not known; rows without a time: 2" in str(raised.value)
+    assert "empty cell" not in str(raised.value)
+
+
 def test_a_log_in_which_many_times_are_out_of_order_is_refused(tmp_path):
     columns = drive_rows(0.05 * np.arange(200))
     columns["time_ms"][10:60:10] = -5
