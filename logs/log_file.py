@@ -123,7 +123,10 @@ def read_log(path: Path) -> LogFile:
         what = f"{len(rows[wrong[0] - first_row])} cells under a header of {len(header)}"
         count = f"rows with a wrong number of cells: {len(wrong)}, the last one is row {wrong[-1]}"
         more = f"; {count}" if len(wrong) > 1 else ""
-        raise InputError(what, where=f"{path}: row {wrong[0]}", cure=f"repair or remove the row{more}")
+        cure = f"repair or remove the row{more}"
+        if len(header) == 1 and len(wrong) == len(rows):
+            cure = f"row {above + 1} is no header with the names of the columns: remove it, or begin it with #"
+        raise InputError(what, where=f"{path}: row {wrong[0]}", cure=cure)
     if not rows:
         raise InputError("has no rows below the header", where=str(path))
     return LogFile(

@@ -71,3 +71,10 @@ def test_a_table_below_a_comment_is_recognised_as_a_table(tmp_path):
     path = tmp_path / "run.log"
     path.write_text("# my robot\n\nt_s;x_m;y_m;theta_rad\n0;1;1;0\n")
     assert next(reader.name for reader in READERS if reader.recognises(path)) == "table"
+
+
+def test_a_title_above_the_header_is_named_and_not_every_row_below_it(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("My robot run 3\nt,x,y\n0,1,2\n1,2,3\n")
+    with pytest.raises(InputError, match=r"row 2: 3 cells under a header of 1; row 1 is no header .*begin it with #"):
+        read_log(path)
