@@ -37,6 +37,7 @@ from diagnosis.predictors.wheels.early_voltages import (
     shaped,
     steps_s,
 )
+from diagnosis.predictors.wheels.row_lengths import row_lengths_s
 from diagnosis.predictors.wheels.turning_loads import TURNING, turning_loads
 from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
@@ -85,6 +86,7 @@ class Wheels:
         self._first, self._next = rows_after(measurement, 1)
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
+        self._measured_lasts_s = row_lengths_s(measurement, self._grid, self._first, self._next)
         self._parts, self._voltage_V = 1, self._voltages_V(measurement, 1)
         self._measured = self._measured_rows(measurement)
         speeds = list(self._speeds([nominal])[0])
@@ -270,7 +272,7 @@ class Wheels:
         voltage_V = good_values(measurement, f"u_{side}_V")
         angle_rad = 2.0 * pi / self._counts * good_values(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
-        speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
+        speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._measured_lasts_s
         split = held_out_rows(measurement)
         holdout = split.copy()
         # A mean speed is computed from two rows, and held out if one of them is.
