@@ -48,7 +48,9 @@ def painted(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 
 def _release(root: Path, wanted: Wanted) -> Path:
-    loaded = load_scenario("smoke", [*SETTINGS, *wanted.settings])
+    # A list of routes replaces those that other settings are about, so it comes first.
+    settings = sorted([*SETTINGS, *wanted.settings], key=lambda text: not text.startswith("routes="))
+    loaded = load_scenario("smoke", settings)
     records = []
     for number, spec in enumerate(draw_all(loaded)):
         rows = drive()
