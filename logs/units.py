@@ -32,7 +32,7 @@ _SPELLINGS: Mapping[str, tuple[str, ...]] = {
     "m/s": ("m/s", "m_s", "mps"),
     "cm/s": ("cm/s", "cm_s"),
     "mm/s": ("mm/s", "mm_s"),
-    "in/s": ("in/s", "in_s"),
+    "in/s": ("in/s", "inch/s", "inches/s"),
     "ft/s": ("ft/s", "ft_s"),
     "km/h": ("km/h", "km_h", "kmh", "kmph", "kph"),
     "mph": ("mph", "mi/h", "mi_h"),
@@ -118,8 +118,10 @@ def taken_apart(name: str) -> HeaderName:
         return taken_apart(match[1])
     if name.endswith("%") and (words := _words(name[:-1])):
         return HeaderName(words, PERCENT)
-    parts = name.split("_")  # `mV` would fall apart at its capital letter
     words = _words(name)
+    if match and {word for word in _words(match[2]) if not word.isdecimal()} - _NO_UNITS:
+        return HeaderName(words, "", match[2])  # the `V` of [kV] is not its unit
+    parts = name.split("_")  # `mV` would fall apart at its capital letter
     for length in (3, 2, 1):
         unit = _unit_behind(_words("_".join(parts[:-length])), "_".join(parts[-length:]))
         if unit and len(parts) > length:
@@ -129,8 +131,7 @@ def taken_apart(name: str) -> HeaderName:
         is_alone = len(words) == length
         if unit and len(words) >= length and (not is_alone or words[0] in _ALONE):
             return HeaderName(words[:-length], unit)
-    in_brackets = {word for word in _words(match[2]) if not word.isdecimal()} if match else set()
-    return HeaderName(words, "", match[2] if match and in_brackets - _NO_UNITS else "")
+    return HeaderName(words, "")
 
 
 def _unit_behind(words: tuple[str, ...], spelling: str) -> str:
