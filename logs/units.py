@@ -91,6 +91,11 @@ _NO_UNITS = frozenset(
         "logged",
         "true",
         "set",
+        "ccw",
+        "cw",
+        "clockwise",
+        "counterclockwise",
+        "odom",
     ]
 )
 """Words that may stand in brackets behind a name and are no unit."""
@@ -112,7 +117,8 @@ class HeaderName:
 def taken_apart(name: str) -> HeaderName:
     """Return words and unit of a name such as `x [mm]`, `heading_deg`, `timeMs` or `motor_left (V)`."""
     match = _BRACKETS.match(name)
-    if match and (unit := unit_of(match[2])):
+    stated = match[2].removeprefix("in ").rstrip(".") if match else ""  # as in `time (in s)`
+    if match and (unit := unit_of(stated)):
         return HeaderName(_words(match[1]), unit)
     if match and match[2] == "1" and {*_words(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
         return taken_apart(match[1])

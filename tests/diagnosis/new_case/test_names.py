@@ -34,6 +34,9 @@ from symolo.core.errors import InputError
         ("x_in", ("x",), "in"),
         ("range (inch)", ("range",), "in"),
         ("time in s", ("time", "in"), "s"),
+        ("time (in s)", ("time",), "s"),
+        ("x (in mm.)", ("x",), "mm"),
+        ("theta (ccw)", ("theta", "ccw"), ""),
         ("distance_in_s", ("distance", "in"), "s"),
         ("speed [in/s]", ("speed",), "in/s"),
         ("supply [kV]", ("supply", "k", "v"), ""),
@@ -64,6 +67,11 @@ from symolo.core.errors import InputError
 )
 def test_a_name_is_taken_apart_into_words_and_unit(name, words, unit):
     assert taken_apart(name) == HeaderName(words, unit)
+
+
+@pytest.mark.parametrize("name", ["theta (ccw)", "theta (clockwise)", "angle (odom)"])
+def test_a_word_in_brackets_that_is_no_unit_is_not_taken_for_an_unknown_one(name):
+    assert not taken_apart(name).unknown
 
 
 @pytest.mark.parametrize(
