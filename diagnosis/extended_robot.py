@@ -113,6 +113,8 @@ def extended_robot(diagnosis: Diagnosis, beside: Sequence[BesideFit] = ()) -> Ex
     tree = _difference(config)
     if config.effect_files:  # the file names them, and they lie beside it
         tree["effect_files"] = [file.file for file in config.effect_files]
+    if config.sensor_files:
+        tree["sensor_files"] = [file.file for file in config.sensor_files]
     comments = {path: "of the nominal model" for path in leaf_paths(tree) if len(path) > 1} | _comments(diagnosis)
     for each in beside:
         comments |= {("effects", each.effect.name, name): text for name, text in each.comments.items()}

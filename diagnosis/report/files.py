@@ -68,7 +68,8 @@ def _files(
         SUMMARY: "\n".join(summary(data)) + "\n",
         REASONING: "\n".join(reasoning(data)) + "\n",
     }
-    texts |= {file.file: file.text for file in data.robot.config.effect_files}
+    robot = data.robot.config
+    texts |= {file.file: file.text for file in (*robot.effect_files, *robot.sensor_files)}
     texts |= {diagnosis.law.file: diagnosis.law.text} if diagnosis.law else {}
     texts |= {prediction.file: csv_text(prediction.columns) for prediction in data.unseen}
     return {name: text.encode() for name, text in texts.items() if text} | {
