@@ -227,8 +227,8 @@ class HybridRenderer:
         light = matt_light(passes)
         # A visible lamp is part of the surfaces; for the denoiser of the light it would be a firefly.
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
-        # Few of the paths find a small lamp in the gloss, so their light is in few bright pixels.
-        rest = self._denoised_fast.keeping_mean(rest, normal, np.where(floor_alone > 0, roughness, 1))
+        # Few paths find a small lamp, so few pixels are bright. A larger albedo would make matt joints too bright.
+        rest = self._denoised_fast.keeping_mean(rest, normal, np.where(floor_alone > 0, 1 - roughness, 1))
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
         flat = np.concatenate([0 * both, both], axis=-1)
