@@ -13,7 +13,9 @@ from pipeline.diagnosing.diagnose import NamedCase, PhaseLines, cases_of
 from pipeline.diagnosing.table import diagnosis_table
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from pipeline.work.worker_main import diagnose_case, do
+from sensors.registry import SENSORS
 from symolo.core.errors import RunFailed
+from tests.contracts.test_own_sensor import TOY
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +73,26 @@ def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo
     robot = f"robot={out / 'extended.yaml'}"
     driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")
     assert driven.code == 0, driven.err
+
+
+@pytest.mark.usefixtures("hands")
+def test_the_robot_file_of_a_robot_with_a_sensor_of_ones_own_names_the_file_beside_it(symolo, benches, tmp_path, tiny):
+    (tmp_path / "feeler.py").write_text(TOY)
+    nominal = tmp_path / "feeling.yaml"
+    nominal.write_text(
+        "extends: nominal\nname: feeling\nsensor_files: [feeler.py]\nsensors: {feeler: {travel_m: 0.02}}\n"
+    )
+    out = tmp_path / "weak"
+    try:
+        ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--nominal", nominal)
+        assert ended.code == 0, ended.err
+        assert (out / "feeler.py").read_text() == TOY
+        robot = f"robot={out / 'extended.yaml'}"
+        driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")
+        assert driven.code == 0, driven.err
+    finally:
+        for file in [*SENSORS.files.values()]:
+            SENSORS.unload(file.path)
 
 
 @pytest.mark.usefixtures("hands")
