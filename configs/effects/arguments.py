@@ -61,8 +61,9 @@ ARGUMENTS: Mapping[Slot, str] = MappingProxyType(
 
 def takes_arguments(effect: type[Effect]) -> bool:
     """Return whether `apply` can be called with the arguments of its slot."""
+    instance = () if isinstance(inspect.getattr_static(effect, "apply"), (staticmethod, classmethod)) else (effect,)
     try:
-        inspect.signature(effect.apply).bind(effect, *ARGUMENTS[effect.slot].split(", "))
+        inspect.signature(effect.apply).bind(*instance, *ARGUMENTS[effect.slot].split(", "))
     except TypeError:
         return False
     return True

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from configs.effects.arguments import ARGUMENTS
+from configs.effects.arguments import ARGUMENTS, takes_arguments
 from configs.effects.registry import EFFECTS
 from pipeline.cli import main
 from pipeline.effects.check import load_to_fit
@@ -16,6 +16,7 @@ from pipeline.effects.probe import Probe
 from pipeline.effects.template import template
 from pipeline.effects.template_laws import LAWS
 from pipeline.effects.trial import trials
+from sensors.effects.range_sensor.range_offset import RangeOffset
 from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -276,3 +277,11 @@ def test_an_effect_with_a_wrong_number_of_arguments_is_refused_before_a_drive(tm
     assert main(["--effect-file", str(path), *words]) == 2
     assert "got '(self, a, b)', allowed: (self, creep_m, rolled_m, middle_m)" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("apply", "fits"), [(lambda reading_m, view: reading_m, True), (lambda reading_m: reading_m, False)]
+)
+def test_a_static_apply_has_the_arguments_of_the_slot_without_self(apply, fits):
+    effect = type("Shifted", (RangeOffset,), {"__module__": __name__, "apply": staticmethod(apply)})
+    assert takes_arguments(effect) == fits
