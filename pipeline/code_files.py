@@ -1,5 +1,6 @@
 """The files of the user's own effects and sensors that a dataset was made with."""
 
+import keyword
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -32,7 +33,10 @@ def new_class_name(name: str, family: Family[Any], example: str) -> str:
         raise InputError("NAME", got=name, allowed=allowed)
     if name in {member.name for member in family.shipped}:
         raise InputError("NAME", got=name, cure=f"a shipped {family.noun} has this name; take another one")
-    return "".join(word.capitalize() for word in name.split("_"))
+    class_name = "".join(word.capitalize() for word in name.split("_"))
+    if keyword.iskeyword(class_name):
+        raise InputError("NAME", got=name, cure=f"{class_name} cannot be the name of a class; take another one")
+    return class_name
 
 
 def code_files(folder: Path, kind: RobotFiles) -> tuple[CodeFile, ...]:
@@ -73,7 +77,7 @@ def extracted(folder: Path, out: Path, kind: RobotFiles) -> tuple[str, ...]:
     check_new(out, folder)
     contents = named_contents(code_files(folder, kind))
     if not contents:
-        raise InputError(f"was made without {kind.section} of a user's own", where=str(folder))
+        raise InputError(f"contains no file of {kind.section} of a user's own", where=str(folder))
     with new_folder(out) as partial:
         for file, data in contents.items():
             write_file(partial / file, data)

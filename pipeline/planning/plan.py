@@ -41,7 +41,7 @@ _PREFILTER = LADDER[0].prefilter
 """Prefilter of the denoiser's guides in full rendering of a run that chooses."""
 PROBED_SAMPLES, HYBRID_PROBED_SAMPLES = 51, 4
 """Samples of a pixel of each image from which a run chooses. With full rendering: four references of 8, because
-candidates are refused from 8 on, and candidates with 2, 4 and 8, whose denoiser takes the time of two each; 8 was the
+candidates are refused from 8 on, and candidates with 2, 4 and 8, whose denoiser takes the time of 1.6 each; 8 was the
 median of five shipped looks (2 to 64, docs/rendering_measurements.md). With hybrid rendering: four references of 1, as
 in the three runs with it that were measured. Noisy references take more."""
 ANNOTATION_PIXEL_S = 1.5e-6

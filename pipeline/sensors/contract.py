@@ -12,7 +12,7 @@ from pipeline.sensors.trial import SECOND, SHORT_S, SensorTrial
 from pipeline.stages.simulate import simulate
 from sensors.base import Sensor
 from symolo.core.errors import InputError
-from symolo.dataset.tables.column import single
+from symolo.dataset.tables.column import Column, single
 
 MIN_TEXT = 10
 MAX_DECIMALS = 15
@@ -33,12 +33,19 @@ def _place_and_text(error: BaseException, kind: type[Sensor]) -> str:
     return f"{call.name} fails in line {call.lineno}: {text}" if call else text
 
 
+def _columns(trial: SensorTrial) -> tuple[Column, ...]:
+    """Return the columns, which may depend on the settings."""
+    settings = trial.spec(trial.setting).robot.sensors.get(trial.kind.name)
+    assert isinstance(settings, SensorSettings)  # noqa: S101 - its class is loaded
+    return trial.kind.columns_of(settings)
+
+
 def _texts(trial: SensorTrial) -> None:
     if len(vars(trial.kind).get("__doc__") or "") <= MIN_TEXT:
         raise BrokenRule(
             'the class has no docstring: write what the table contains, such as """Heading of the robot."""'
         )
-    for column in trial.kind.columns:
+    for column in _columns(trial):
         if not column.unit.strip():
             raise BrokenRule(f"column {column.name} has no unit: write '-' for a number without one")
         if not column.meaning.strip():
@@ -64,10 +71,7 @@ def _form(trial: SensorTrial) -> None:
 
 
 def _digits(trial: SensorTrial) -> None:
-    spec = trial.spec(trial.setting)
-    settings = spec.robot.sensors.get(trial.kind.name)
-    assert isinstance(settings, SensorSettings)  # noqa: S101 - its class is loaded
-    for column, values in zip(single(trial.kind.columns_of(settings)), trial.series(trial.recording).T, strict=True):
+    for column, values in zip(single(_columns(trial)), trial.series(trial.recording).T, strict=True):
         if not 0 <= column.decimals <= MAX_DECIMALS:
             raise BrokenRule(f"column {column.name}: {column.decimals} digits; allowed: 0 to {MAX_DECIMALS}")
         if column.decimals == 0 and (values % 1).any():
@@ -113,8 +117,9 @@ def _bounds(trial: SensorTrial) -> None:
                 continue  # the sensor itself refuses the bound beside its other defaults
             try:
                 simulate(spec)
-            except InputError as error:
-                raise BrokenRule(f"with {name}={field[bound]}, {error}") from None
+            except Exception as error:  # noqa: BLE001 - the user's code may raise anything
+                text = str(error) if isinstance(error, InputError) else _place_and_text(error, trial.kind)
+                raise BrokenRule(f"with {name}={field[bound]}, {text}") from None
 
 
 def _process(trial: SensorTrial) -> None:

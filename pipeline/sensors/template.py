@@ -2,6 +2,8 @@
 
 from pipeline.code_files import new_class_name
 from sensors.registry import SENSORS
+from symolo.core.errors import InputError
+from symolo.dataset.tables.sensor_tables import TAKEN_NAMES
 
 TEXT = '''"""A compass: change it to the sensor that you have."""
 
@@ -44,6 +46,8 @@ def template(name: str) -> str:
     """Return the text of a file with one sensor that keeps the contract.
 
     Raises:
-        InputError: The name cannot be that of a sensor, or a shipped sensor has it.
+        InputError: The name cannot be that of a sensor, or a shipped sensor or another table has it.
     """
+    if name in TAKEN_NAMES:
+        raise InputError("NAME", got=name, cure="the name is taken by another file of side/; take another one")
     return TEXT.format(name=name, class_name=new_class_name(name, SENSORS, "compass"))

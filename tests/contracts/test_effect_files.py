@@ -224,7 +224,7 @@ def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_th
     (run / "spec.json").write_text(drawn("smoke").model_dump_json())
     assert [*code_file_lines(tmp_path / "data")] == []
     assert main(["effect", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "none")]) == 2
-    assert "was made without effects of a user's own" in capsys.readouterr().err
+    assert "contains no file of effects of a user's own" in capsys.readouterr().err
 
 
 def test_two_files_of_one_name_are_both_written(scenario, tmp_path):

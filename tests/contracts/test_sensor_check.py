@@ -61,7 +61,12 @@ def test_the_template_keeps_every_rule_and_its_readings_are_shown(checked):
             "several",
             "beside a second one of its kind it gives other readings",
         ),
-        (RETURN, "return np.array([1.0 / (90.0 - self.settings.noise_deg)])", "runs", "ZeroDivisionError"),
+        (
+            RETURN,
+            "return np.array([1.0 / (90.0 - self.settings.noise_deg)])",
+            "bounds",
+            r"with noise_deg=90.*, sample fails in line \d+: ZeroDivisionError",
+        ),
         (RETURN, "return np.array([float(hash('a') % 10**6)])", "process", "in another process, .* other readings"),
         (RETURN, ELSEWHERE + RETURN, "others", "with the sensor, line has other values"),
     ],
@@ -87,7 +92,12 @@ def test_an_array_that_is_returned_again_keeps_no_later_reading(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("Compass", "allowed: small letters and digits"), ("imu", "a shipped sensor has this name; take another one")],
+    [
+        ("Compass", "allowed: small letters and digits"),
+        ("imu", "a shipped sensor has this name; take another one"),
+        ("none", "None cannot be the name of a class"),
+        ("board", "the name is taken by another file of side/"),
+    ],
 )
 def test_a_name_that_cannot_be_is_refused(tmp_path, monkeypatch, symolo, name, message):
     monkeypatch.chdir(tmp_path)

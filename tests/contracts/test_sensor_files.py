@@ -132,7 +132,7 @@ def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_th
     assert SENSORS.files == {}
     (run / "spec.json").write_text(drawn("nominal").model_dump_json())
     assert main(["sensor", "extract", str(tmp_path / "data"), "--out", str(tmp_path / "none")]) == 2
-    assert "was made without sensors of a user's own" in capsys.readouterr().err
+    assert "contains no file of sensors of a user's own" in capsys.readouterr().err
 
 
 def test_the_schema_for_editors_takes_a_list_of_paths():

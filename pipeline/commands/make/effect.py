@@ -1,5 +1,6 @@
 """Commands for effects, also a user's own: `symolo effect check`, `new`, `list`, `show`, `extract`."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -73,8 +74,9 @@ def check(
     for line in check_text(checked):
         typer.echo(line)
     if checked.is_good:
-        settings = " ".join(f"--set {setting}" for setting in checked.settings)
-        typer.echo(f"{file} keeps every rule; try it: symolo --effect-file {file} simulate smoke {settings} --out data")
+        settings = [word for setting in checked.settings for word in ("--set", setting)]
+        options = shlex.join(["--effect-file", str(file), "simulate", "smoke", *settings])
+        typer.echo(f"{file} keeps every rule; try it: symolo {options} --out data")
         return 0
     typer.echo(f"symolo: {file}: breaks a rule, see above", err=True)
     return BAD_INPUT

@@ -1,5 +1,6 @@
 """Commands for sensors, also a user's own: `symolo sensor new`, `check`, `list`, `extract`."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -57,8 +58,8 @@ def check(
     for line in check_text(checked):
         typer.echo(line)
     if checked.is_good:
-        setting = f"--set {checked.trial.setting}"
-        typer.echo(f"{file} keeps every rule; try it: symolo --sensor-file {file} simulate smoke {setting} --out data")
+        options = shlex.join(["--sensor-file", str(file), "simulate", "smoke", "--set", checked.trial.setting])
+        typer.echo(f"{file} keeps every rule; try it: symolo {options} --out data")
         return 0
     typer.echo(f"symolo: {file}: breaks a rule, see above", err=True)
     return BAD_INPUT
