@@ -142,7 +142,7 @@ def taken_apart(name: str) -> HeaderName:
 
 def _unit_behind(words: tuple[str, ...], spelling: str) -> str:
     """Return the unit of a spelling behind the words of a name; empty if it is none."""
-    if spelling.lower() == _MINUTE or (spelling.lower() == _INCH and not _LENGTHS & {*words}):
+    if words[-1:] == ("per",) or spelling.lower() == _MINUTE or (spelling.lower() == _INCH and not _LENGTHS & {*words}):
         return ""
     return unit_of(spelling.replace("_per_", "_"))
 

@@ -42,6 +42,7 @@ from symolo.core.errors import InputError
         ("supply [kV]", ("supply", "k", "v"), ""),
         ("t [10 ms]", ("t", "10", "ms"), ""),
         ("enc [ticks/rev]", ("enc", "ticks", "rev"), ""),
+        ("left_ticks_per_rev", ("left", "ticks", "per", "rev"), ""),
         ("battery_in", ("battery", "in"), ""),
         ("y [ft]", ("y",), "ft"),
         ("heading [gon]", ("heading",), "gon"),
