@@ -177,11 +177,11 @@ def test_settings_of_an_arena_that_no_route_uses_are_refused(arena, overrides, w
     Path("own.yaml").write_text(ALL_OWN.format(arena=arena))
     with pytest.raises(InputError) as caught:
         load_scenario("own.yaml", overrides)
-    told = str(caught.value)
-    assert told.startswith(where)
-    assert "no route uses it, because each of A, B has an arena of its own" in told
+    message = str(caught.value)
+    assert message.startswith(where)
+    assert "no route uses it, because each of A, B has an arena of its own" in message
     dot = "." if setting else ""
-    assert f"set routes.A.arena{dot}{setting}" in told
+    assert f"set routes.A.arena{dot}{setting}" in message
 
 
 def test_an_arena_of_the_scenario_that_no_route_uses_may_be_inherited():
