@@ -280,7 +280,7 @@ def test_an_effect_with_a_wrong_number_of_arguments_is_refused_before_a_drive(tm
 
 
 @pytest.mark.parametrize(
-    ("apply", "fits"), [(lambda reading_m, view: reading_m, True), (lambda reading_m: reading_m, False)]
+    ("apply", "fits"), [(lambda reading_m, view: reading_m + view, True), (lambda reading_m: reading_m, False)]
 )
 def test_a_static_apply_has_the_arguments_of_the_slot_without_self(apply, fits):
     effect = type("Shifted", (RangeOffset,), {"__module__": __name__, "apply": staticmethod(apply)})
