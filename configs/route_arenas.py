@@ -31,7 +31,7 @@ def check_arena_is_used(root: Node, file: str, overrides: Sequence[str]) -> None
     """
     routes, arena = root.child(ROUTES), root.child(ARENA)
     items = [route for _, route in routes.children()] if routes is not None else []
-    if arena is None or any(route.plain_at((ARENA,)) is None for route in items):
+    if arena is None or not items or any(route.plain_at((ARENA,)) is None for route in items):
         return
     written = (text.partition("=")[0].strip() for text in overrides)
     unused = [(f"--set {field}", field) for field in written if field.split(".")[0] == ARENA]

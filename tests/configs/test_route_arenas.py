@@ -204,3 +204,10 @@ def test_an_arena_that_is_drawn_as_a_whole_is_refused_with_the_way_to_have_sever
     Path("top.yaml").write_text("extends: symolo\narena: {choice: [symolo, classroom]}\n")
     with pytest.raises(InputError, match="give routes an `arena` of their own"):
         load_scenario("top.yaml")
+
+
+@pytest.mark.parametrize("routes", ["null", "[]"])
+def test_a_scenario_without_routes_is_refused_for_that_and_not_for_its_arena(routes):
+    Path("none.yaml").write_text(f"extends: smoke\narena: symolo\nroutes: {routes}\n")
+    with pytest.raises(InputError, match=r"none\.yaml:3: routes"):
+        load_scenario("none.yaml", ["arena.line.width_m=0.02"])
