@@ -1,13 +1,15 @@
 """The arena: floor, line, walls and obstacles, all in the world frame W (x, y on the floor, z up)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, ModelWrapValidatorHandler, model_validator
+from typing_extensions import Self
 
 from configs.schema.appearance.surface import SurfaceName
 from configs.schema.arena_generator import ArenaGenerator
-from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
+from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent, disagreement
 from configs.schema.mesh import MeshFile
+from configs.schema.obstacle_shapes import ObstacleShape
 
 
 class _Piece(Section):
@@ -132,16 +134,18 @@ class MotionConfig(Section):
 
 
 class Obstacle(Section):
-    """A box or a mesh on the floor, which may move."""
+    """A box or another body on the floor, which may move."""
 
     name: Slug
     """Name of the obstacle, unique in the arena; a moving one has columns of this name."""
     center: Point2
     """Middle of the box's footprint: x, y [m] in W."""
     size: Size3 = (0.08, 0.08, 0.12)
-    """Length, width and height of the box [m], before the rotation; those of a mesh follow from its file."""
+    """Length, width and height of the box [m], before the rotation; those of a mesh or shape follow from it."""
     mesh: MeshFile | None = Field(default_factory=absent, exclude_if=lambda mesh: mesh is None)
     """Shape from a file, in place of a box."""
+    shape: ObstacleShape | None = Field(default_factory=absent, exclude=True)
+    """Another shape, in place of a box; the specification of a run has its triangles as a mesh."""
     solid: bool = Field(default_factory=lambda: True, exclude_if=lambda solid: solid)  # not written into files
     """Whether the robot touches it and range sensors see it; without, it is furniture that only images show."""
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
@@ -150,6 +154,20 @@ class Obstacle(Section):
     """Surface of the box, which range sensors and images show."""
     motion: MotionConfig | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
     """Path of the obstacle, from `center` and `yaw_deg` at t = 0; without it the obstacle does not move."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_triangles(cls, content: Any, validate: ModelWrapValidatorHandler[Self]) -> Self:  # noqa: ANN401 - anything
+        """Replace a shape by its triangles, so that no other code has to know it."""
+        obstacle = validate(content)
+        shape = obstacle.shape
+        if shape is None:
+            return obstacle
+        if obstacle.mesh is not None:
+            raise disagreement("shape", shape.kind, "none beside mesh", "leave out shape or mesh")
+        body = shape.triangles()
+        mesh = MeshFile(file=shape.kind, packed=body.packed())
+        return obstacle.model_copy(update={"shape": None, "mesh": mesh, "size": body.size})
 
 
 class ArenaConfig(Section):

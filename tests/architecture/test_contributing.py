@@ -1,5 +1,6 @@
 """The walk-throughs of CONTRIBUTING.md work as they stand there, performed on one copy of the packages."""
 
+import json
 import os
 import re
 import shlex
@@ -82,7 +83,15 @@ def _apply(folder: Path, kind: str, name: str, text: str) -> None:
     path.write_text(content)
 
 
-SECTIONS = ("An effect", "A sensor", "A material", "An export format", "An importer", "A robot")
+SECTIONS = (
+    "An effect",
+    "A sensor",
+    "A shape of an obstacle",
+    "A material",
+    "An export format",
+    "An importer",
+    "A robot",
+)
 
 
 @pytest.fixture(scope="module")
@@ -150,6 +159,13 @@ def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     assert 0.0 < np.abs(error_rad).max() < np.radians(5 * 2.0)  # five standard deviations
 
 
+def test_a_shape_is_simulated(walk):
+    shape = walk("A shape of an obstacle")
+    shape.type_commands("--set", "stop.time_limit_s=0.5")
+    spec = json.loads((shape.folder / "with-ramp/.stages/simulate/CW/test_1/spec.json").read_text())
+    assert spec["arena"]["obstacles"][0]["size"] == [0.2, 0.1, 0.05]
+
+
 @pytest.mark.documents
 def test_a_material_is_described_previewed_and_rendered(walk):
     material = walk("A material")
@@ -198,7 +214,7 @@ def test_a_robot_is_read_and_drives(walk):
 
 
 CHOSEN = (
-    "tof_ripple or shared_format or row_of_the_documentation or key_of_the_schema or felt or member"
+    "tof_ripple or ramp or shared_format or row_of_the_documentation or key_of_the_schema or felt or member"
     " or the_tape_is_black or has_its_joints or has_an_image or materials.md or rpm-bench or different_names"
     " or small_robot or every_page_is"
 )
