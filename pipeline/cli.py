@@ -19,18 +19,42 @@ from typer.core import TyperGroup
 from typer.main import get_group
 
 from pipeline.address_space import check_address_space
-from pipeline.commands.datasets import inspection, maintenance, sharing, visualisation
+from pipeline.commands.datasets.bag import bag
 from pipeline.commands.datasets.baselines import baselines
+from pipeline.commands.datasets.compare import compare
+from pipeline.commands.datasets.contact_sheet import contact_sheet
+from pipeline.commands.datasets.download import download
+from pipeline.commands.datasets.export import export
+from pipeline.commands.datasets.pack import pack
+from pipeline.commands.datasets.repair import repair
+from pipeline.commands.datasets.report import report
 from pipeline.commands.datasets.sign import sign
-from pipeline.commands.datasets.training import train
+from pipeline.commands.datasets.status import status
+from pipeline.commands.datasets.train import train
+from pipeline.commands.datasets.upload import upload
+from pipeline.commands.datasets.verify import verify
+from pipeline.commands.datasets.video import video
+from pipeline.commands.datasets.view import view
+from pipeline.commands.doctor import doctor
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
-from pipeline.commands.make import arena, effect, hil, robot, sensor, stages
+from pipeline.commands.make import arena, effect, robot, sensor
+from pipeline.commands.make.assemble import assemble
+from pipeline.commands.make.firmware import firmware
+from pipeline.commands.make.hil import hil
 from pipeline.commands.make.import_logs import import_logs
 from pipeline.commands.make.model import model
+from pipeline.commands.make.plan import plan
 from pipeline.commands.make.preview import preview
+from pipeline.commands.make.release import release
+from pipeline.commands.make.render import render
 from pipeline.commands.make.rerender import rerender
-from pipeline.commands.measured import case, diagnosis, look, validate
+from pipeline.commands.make.simulate import simulate
+from pipeline.commands.measured import case, look, validate
+from pipeline.commands.measured.diagnose import diagnose
+from pipeline.commands.measured.identify_camera import identify_camera
+from pipeline.commands.measured.inspect import inspect
 from pipeline.commands.measured.next_trial import next_trial
+from pipeline.commands.schema import schema
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import extra_lacking
 from symolo.core.os_errors import lacking
@@ -63,23 +87,14 @@ INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command ag
 
 PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Make data": (
-        *(stages.plan, preview, stages.release, stages.simulate, stages.render, stages.assemble),
+        *(plan, preview, release, simulate, render, assemble),
         *(import_logs, rerender, model),
     ),
-    "Hardware in the loop": (hil.hil, hil.firmware),
-    "Look at data": (visualisation.view, visualisation.video, visualisation.report, visualisation.contact_sheet),
-    "Inspect data and machine": (
-        *(inspection.verify, inspection.compare, baselines, train),
-        *(inspection.doctor, inspection.schema),
-    ),
-    "Keep, convert and share data": (
-        *(maintenance.status, maintenance.repair, sign),
-        *(sharing.bag, sharing.export, sharing.pack, sharing.upload, sharing.download),
-    ),
-    "Explain measured data": (
-        *(diagnosis.inspect, diagnosis.diagnose),
-        *(next_trial, diagnosis.identify_camera),
-    ),
+    "Hardware in the loop": (hil, firmware),
+    "Look at data": (view, video, report, contact_sheet),
+    "Inspect data and machine": (verify, compare, baselines, train, doctor, schema),
+    "Keep, convert and share data": (status, repair, sign, bag, export, pack, upload, download),
+    "Explain measured data": (inspect, diagnose, next_trial, identify_camera),
 }
 """Commands by their heading, both in the order of `symolo --help`."""
 NAMES: dict[Callable[..., int | None], str] = {import_logs: "import", next_trial: "next"}

@@ -1,6 +1,7 @@
-"""The commands of `symolo`: one file for each command, or for a group of commands that belong together.
+"""The commands of `symolo`: one file for each command, named after it, or for a group such as `symolo effect`.
 
 `make/` has the commands that make data, `datasets/` those for datasets that exist, `measured/` those for measured data.
-`options.py` declares the options that several commands share. A command imports what it needs when it is called, so
-that `symolo --help` is quick.
+`import` and `next` are in `import_logs.py` and `next_trial.py`, because Python has these words itself. `options.py`
+declares the options that several commands share. A command imports what it needs when it is called, so that `symolo
+--help` is quick.
 """

@@ -98,6 +98,14 @@ Scenario = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shi
 Dataset = Annotated[
     Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
 ]
+Shown = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        callback=checked_input,
+        help="Dataset, run folder, output folder of simulate, or a data.csv.",
+    ),
+]
 Out = Annotated[
     Path,
     typer.Option(
@@ -208,6 +216,13 @@ GpuShare = Annotated[
         metavar="SHARE",
         help="Share of a graphics card for each task on the Ray cluster, with --device auto or gpu; by default 0.5, "
         "so two tasks share a card.",
+    ),
+]
+Url = Annotated[
+    str,
+    typer.Argument(
+        metavar="URL",
+        help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, which must contain only this release.",
     ),
 ]
 Endpoint = Annotated[

@@ -1,50 +1,22 @@
-"""Commands for a controller that runs on a board: hil, firmware."""
+"""`symolo hil`: makes a dataset whose robot is driven by a controller board."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pipeline.commands.make.serial_line import Baud, Framing, FramingChoice
 from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     OnDevice,
     Out,
     Replace,
-    Robot,
     Scenario,
     Settings,
     WorkerMemory,
     Workers,
-    checked_new_folder,
-    names,
     with_device,
 )
 from symolo.core.errors import InputError
-from symolo.core.text_enum import TextEnum
-
-
-class FramingChoice(TextEnum):
-    """Framings of the serial line."""
-
-    FRAMED = "framed"
-    SIMTWO = "simtwo"
-
-
-Framing = Annotated[
-    FramingChoice,
-    typer.Option(
-        "--framing",
-        help="Format on the serial line: framed has sequence numbers and checksums; simtwo is the format of SimTwo.",
-    ),
-]
-Baud = Annotated[
-    int | None,
-    typer.Option(
-        "--baud",
-        metavar="N",
-        help="Baud rate: 115200, 250000, 500000 or 1000000; by default 500000, with --framing simtwo 115200.",
-    ),
-]
 
 
 def hil(
@@ -101,43 +73,3 @@ def hil(
         failures += batch.render(failures, report)
         batch.assemble(failures, report, protected)
     return conclude(failures, len(batch.specs), "hil", out)
-
-
-def firmware(
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            callback=checked_new_folder,
-            help="New folder for the sketch; its name becomes that of the sketch.",
-        ),
-    ],
-    *,
-    robot: Robot = "nominal",
-    framing: Framing = FramingChoice.FRAMED,
-    baud: Baud = None,
-    exercises: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="Functions of student.c that students will write, such as line_error,follow; all means all of them.",
-        ),
-    ] = None,
-) -> None:
-    """Write the robot's controller as a sketch for an Arduino Mega 2560.
-
-    Example: symolo firmware --out lap
-
-    For a lesson: symolo firmware --out lesson --exercises line_error,follow
-    """
-    from configs.draw import draw_robot
-    from configs.loader import load_section
-    from configs.schema.board import Board
-    from hil.build import student_tasks, write_sketch
-
-    config, _ = draw_robot(load_section("robot", robot), 1, "bench")
-    chosen = student_tasks() if exercises == "all" else names(exercises, "--exercises") if exercises else ()
-    bits_per_s = Board(framing=framing.value, baud=baud).bits_per_s
-    identity = write_sketch(config, out, framing.value, bits_per_s, chosen)
-    typer.echo(f"firmware {identity} for robot {config.name}, {framing.value} at {bits_per_s} baud, in {out}")

@@ -1,4 +1,4 @@
-"""Commands that maintain an output folder: status, repair."""
+"""`symolo status`: shows what an output folder contains and what the next release would do."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import FAULTS
-from pipeline.commands.options import Dataset, Json, Settings, Workers, checked_input
+from pipeline.commands.options import Json, Settings, checked_input
 
 
 def status(
@@ -52,34 +52,3 @@ def status(
     for line in (*status_lines(result, losses, check=check), *code_file_lines(folder)):
         typer.echo(line)
     return code
-
-
-def repair(
-    folder: Dataset,
-    *,
-    remove_extra: Annotated[
-        bool, typer.Option("--remove-extra", help="Remove files that do not belong to the release.")
-    ] = False,
-    workers: Workers = None,
-) -> int:
-    """Restore the damaged files of a dataset, and nothing else.
-
-    Copies of a file elsewhere in the dataset or in .stages are used first. A run is simulated again only if its
-    trajectory is lost, and only damaged frames are rendered again. A file is replaced only by one whose SHA-256 is
-    that of the manifest. The exit code is 0 if every file is as it was released, and 4 if some files are not; each of
-    them is named with the reason.
-
-    Example: symolo repair data
-    """
-    from pipeline.repair.repair import repair as repaired
-    from pipeline.run_folder.output import check_finished
-    from pipeline.work.supervisor import cores
-    from symolo.core.progress import plural, report_here
-
-    check_finished(folder)
-    result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
-    for fault in result.left:
-        typer.echo(f"not repaired: {fault}")
-    rest = f"{len(result.left)} left" if result.left else "every file is as it was released"
-    typer.echo(f"{folder}: {plural(result.repaired, 'fault')} repaired, {rest}", err=bool(result.left))
-    return FAULTS if result.left else 0

@@ -1,4 +1,4 @@
-"""Commands that explain measured data: inspect, diagnose, identify-camera."""
+"""`symolo diagnose`: explains the differences between measured data and the simulation."""
 
 import json
 from collections.abc import Collection, Sequence
@@ -16,72 +16,6 @@ if TYPE_CHECKING:
     from pipeline.diagnosing.diagnose import NamedCase
     from pipeline.work.units import DiagnosisSettings
     from symolo.core.progress import Report
-
-OPTIONAL = {"robot.yaml", "look.yaml"}
-"""Files that an earlier diagnosis may have left and this one may not write."""
-
-
-def inspect(
-    case: Annotated[
-        Path,
-        typer.Argument(
-            metavar="CASE",
-            callback=checked_input,
-            help="Case folder, log, run of a dataset, or table-1, table-3, table-4 of the paper.",
-        ),
-    ],
-    *,
-    importer: ImporterName = None,
-    as_json: Json = False,
-) -> None:
-    """Show what the log of a real robot or test bench contains: channels, rates, gaps, noise.
-
-    CASE is one of the following; symolo recognises the kind from the files:
-
-    - a case folder with nominal.yaml and data.csv, of the kind motor_steady,
-      motor_step, tof_bench or drive_log (docs/measured.md)
-
-    - a release of symolo, a run of it, or a SyMoLo data.csv
-
-    - a file or folder of OptiOdom, Algernon, Robotino or VL53L0X data
-
-    - table-1, table-3 or table-4 of the paper
-
-    The command prints the trials with their rates and gaps. Then it prints
-    for each channel:
-
-    - the number of rows
-
-    - how many rows are missing, have no target, are stale (repeat an old
-      value) or are outliers (6 sigma from their neighbours, or from the
-      known distance)
-
-    - the smallest and largest good value, and the quantisation step
-
-    - the noise estimated from the data, with its correlation from row to
-      row or the number of repeated measurements
-
-    - the noise that the source states
-
-    The command writes no file. If a file is wrong, it prints the file name,
-    row and column, and ends with exit code 2.
-
-    Example: symolo inspect my_robot/drive_1
-
-    Example: symolo inspect table-1
-    """
-    from diagnosis.importers.choose import read_measurement
-    from diagnosis.measured.overview import overview, summarise
-    from pipeline.diagnosing.importers import IMPORTERS
-
-    measurement = read_measurement(case, IMPORTERS, importer)
-    if as_json:
-        from pipeline.json_results.inspect import InspectResult
-
-        typer.echo(InspectResult.of(summarise(measurement)).to_json())
-        return
-    for line in overview(measurement):
-        typer.echo(line)
 
 
 def diagnose(
@@ -253,77 +187,6 @@ def diagnose(
     else:
         _print(named, out, failed, explain=explain)
     return RUN_FAILED if failed else 0
-
-
-def identify_camera(
-    run: Annotated[
-        Path,
-        typer.Argument(metavar="RUN", callback=checked_input, help="Folder with data.csv and the measured images."),
-    ],
-    *,
-    out: Out,
-    simulated: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="RUN",
-            callback=if_given(checked_input),
-            help="Run of a dataset with the nominal camera, look and arena, and images of the same places.",
-        ),
-    ] = None,
-    pose_sd_mm: Annotated[
-        float,
-        typer.Option(
-            "--pose-sd-mm", min=0.01, max=100, metavar="MM", help="Standard deviation of the positions in data.csv."
-        ),
-    ] = 0.5,
-    pose_sd_deg: Annotated[
-        float,
-        typer.Option(
-            "--pose-sd-deg", min=0.001, max=20, metavar="DEG", help="Standard deviation of the headings in data.csv."
-        ),
-    ] = 0.1,
-    as_json: Json = False,
-) -> None:
-    """Identify how a real camera differs from the nominal one: position, lens, exposure.
-
-    The command compares the edges of the line in the images with the edges
-    that the nominal camera would see from the poses of data.csv. With
-    --simulated it also compares floor and edges with simulated images of the
-    same places. The result names each difference with its value and standard
-    error. Every fourth image is not used for the fit. These images show how much
-    better the identified camera predicts than the nominal one. See
-    docs/camera_identification.md.
-
-    Files in DIR: report.html, answer.json, summary.txt, plots/, and robot.yaml
-    and look.yaml with the identified camera.
-
-    Example: symolo identify-camera measured/run_1 --simulated data/CW/test_1 --out camera
-    """
-    from diagnosis.camera.case import PoseErrors
-    from diagnosis.camera.diagnose import diagnose_camera
-    from diagnosis.camera.files import files
-    from diagnosis.report.files import PAGE, SUMMARY
-    from pipeline.diagnosing.camera_case import read_camera_case
-    from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Workspace
-    from symolo.core.files.atomic_files import make_folder, remove_file, write_file
-    from symolo.dataset.folder_kind import Kind
-
-    case = read_camera_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))
-    check_out(out, Kind.CAMERA_IDENTIFICATION)
-    diagnosis = diagnose_camera(case)
-    made = files(diagnosis)
-    with Workspace(out.absolute(), Kind.CAMERA_IDENTIFICATION).locked():
-        for name in sorted(OPTIONAL - made.keys()):
-            remove_file(out / name)
-        for name, data in made.items():
-            make_folder((out / name).parent)
-            write_file(out / name, data)
-    if as_json:
-        typer.echo(json.dumps(diagnosis.answer(), indent=2))
-        return
-    typer.echo(made[SUMMARY].decode())
-    typer.echo(str(out / PAGE))
 
 
 def _check(case: "NamedCase", settings: "DiagnosisSettings", report: "Report") -> None:

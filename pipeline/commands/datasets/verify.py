@@ -1,4 +1,4 @@
-"""Commands that inspect data or the machine: verify, compare, schema, doctor."""
+"""`symolo verify`: checks a dataset, and renders images again to compare their bytes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,12 +12,8 @@ from pipeline.commands.options import (
     Dataset,
     Json,
     Workers,
-    checked_input,
-    if_given,
-    new_file_check,
 )
 from symolo.core.errors import InputError, one_line
-from symolo.core.text_enum import TextEnum
 
 if TYPE_CHECKING:
     from pipeline.repair.reproduction import Reproduction
@@ -156,146 +152,3 @@ def _print_verify_result(
         reproduced=ReproducedPart.of(drawn.reproduction, drawn.seed) if drawn else None,
     )
     typer.echo(result.to_json())
-
-
-def compare(
-    a: Annotated[
-        Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, folder of images, or a file.")
-    ],
-    b: Annotated[
-        Path,
-        typer.Argument(metavar="B", callback=checked_input, help="The same kind of data, to be compared with A."),
-    ],
-    tolerance_db: Annotated[
-        float,
-        typer.Option(
-            "--tolerance-db",
-            min=0,
-            max=1000,
-            metavar="DB",
-            help="Smallest peak signal-to-noise ratio of files that count as equal; the peak of a column of numbers is "
-            "its largest value.",
-        ),
-    ] = 50.0,
-    *,
-    every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,
-    page: Annotated[
-        Path | None,
-        typer.Option(
-            "--page",
-            metavar="FILE",
-            callback=if_given(new_file_check(".html", option="--page")),
-            help="Also write a page with the images that differ beside each other, .html.",
-        ),
-    ] = None,
-    as_json: Json = False,
-) -> int:
-    """Compare two datasets, runs or folders of images, file by file.
-
-    The command prints a line for each file whose bytes differ, for each program and processor that differs, and for
-    each setting of two releases that differs, and a line with the conclusion. The exit code is 0 if all files are
-    identical, 6 if they are equal within --tolerance-db, and 7 if they differ.
-
-    Example: symolo compare data data-of-another-machine --tolerance-db 60
-
-    Example: symolo compare before after --page differences.html
-    """
-    from symolo.compare.comparison import Comparison
-    from symolo.compare.conclusion import Conclusion, made_differently
-    from symolo.compare.folders import Verdict
-    from symolo.compare.folders import compare as results_of
-    from symolo.compare.settings import changed_settings
-
-    results = []
-    for result in results_of(a, b, tolerance_db):
-        results.append(result)
-        if not as_json and (every or result.verdict is not Verdict.IDENTICAL):
-            typer.echo(str(result))
-    comparison = Comparison(a, b, tolerance_db, results, list(made_differently(a, b)), changed_settings(a, b))
-    if page is not None:
-        from symolo.compare.page import comparison_page
-        from symolo.core.files.atomic_files import write_file
-
-        write_file(page, comparison_page(comparison))
-    if as_json:
-        from pipeline.json_results.compare import CompareResult
-
-        compared = CompareResult.of(comparison, every=every)
-        typer.echo(compared.to_json())
-        return compared.exit_code
-    conclusion = Conclusion.of(results)
-    typer.echo("\n".join((*comparison.other_lines, conclusion.text)))
-    return conclusion.code
-
-
-class SchemaOf(TextEnum):
-    """The kinds of JSON and YAML that have a schema."""
-
-    SCENARIO = "scenario"
-    METADATA = "metadata"
-    STATUS = "status"
-    VERIFY = "verify"
-    COMPARE = "compare"
-    PLAN = "plan"
-    RELEASE = "release"
-    BASELINES = "baselines"
-    EXPORT = "export"
-    DOCTOR = "doctor"
-    INSPECT = "inspect"
-
-
-def schema(
-    of: Annotated[
-        SchemaOf,
-        typer.Option(
-            "--of",
-            help="scenario: scenario files; metadata: metadata.json of a dataset; the others: what the command of "
-            "this name prints with --json.",
-        ),
-    ] = SchemaOf.SCENARIO,
-) -> None:
-    """Print a JSON Schema: of scenario files, of metadata.json, or of the results that commands print with --json.
-
-    Editors use the first two to check and complete such files.
-
-    Example: symolo schema > scenario.schema.json
-
-    Example: symolo schema --of verify > verify.schema.json
-    """
-    import json
-
-    from configs.validation.json_schema import scenario_json_schema
-    from pipeline.json_results import result_json_schema
-    from symolo.dataset.documents.metadata_schema import metadata_json_schema
-
-    match of:
-        case SchemaOf.SCENARIO:
-            document = scenario_json_schema()
-        case SchemaOf.METADATA:
-            document = metadata_json_schema()
-        case _:
-            document = result_json_schema(of.value)
-    typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
-
-
-def doctor(*, as_json: Json = False) -> int:
-    """Check this machine: Python, packages, system libraries, Blender, PyBullet, disk, cores, memory, graphics card.
-
-    For each missing item, the command prints the line that installs it. If anything is missing, it ends with exit code
-    5.
-
-    Example: symolo doctor
-    """
-    from pipeline.doctor import examine
-
-    checks = []
-    for check in examine(Path.cwd()):
-        if not as_json:
-            typer.echo(str(check))
-        checks.append(check)
-    code = 0 if all(check.ok for check in checks) else MACHINE_LACKS
-    if as_json:
-        from pipeline.json_results.doctor import CheckPart, DoctorResult
-
-        typer.echo(DoctorResult(exit_code=code, checks=[CheckPart.of(check) for check in checks]).to_json())
-    return code

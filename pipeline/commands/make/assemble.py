@@ -1,0 +1,34 @@
+"""`symolo assemble`: assembles the dataset from rendered runs."""
+
+from pipeline.commands.make.stages import make
+from pipeline.commands.options import (
+    Like,
+    OnDevice,
+    Out,
+    Replace,
+    Scenario,
+    Settings,
+    Workers,
+    with_device,
+    with_like,
+)
+
+
+def assemble(
+    scenario: Scenario,
+    out: Out,
+    *,
+    settings: Settings = None,
+    like: Like = None,
+    workers: Workers = None,
+    device: OnDevice = None,
+    replace: Replace = False,
+) -> int:
+    """Assemble the dataset from the rendered runs, with description, metadata and checksums.
+
+    Example: symolo assemble smoke --out data
+    """
+    from pipeline.executors import chosen
+
+    overrides = with_device(with_like(settings, like), device)
+    return make(["assemble"], scenario, overrides, out, chosen(workers), replace=replace)
