@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from configs.schema.appearance.camera_look import CameraLook, ColourFilter, is_one, is_unfiltered, is_zero
+from configs.schema.appearance.camera_look import CameraLook, ColourFilter
 from sensors.camera.colour import LUMINANCE, RGB, as_measured, light_rgb
 from sensors.camera.metering import automatic_gain
 from sensors.camera.mosaic import colours, demosaiced, mosaic
 from sensors.camera.optics import blurred, defocused, integrated_over_pixel, with_veiling_glare
 from sensors.camera.post_processing import denoised, sharpened
 from symolo.core.arrays import FloatImage
+from symolo.core.left_out import equals
 from symolo.core.random_streams import stream
 
 _MIN_SHARE = 0.02
@@ -52,14 +53,14 @@ class CameraResponse:
     sharpening: float
     sharpening_radius_px: float
     # A value without effect is left out of the JSON text, so that jobs without these steps have the bytes of before.
-    defocus_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
-    pixel_px: Annotated[float, Field(exclude_if=is_one)] = 1.0
-    colour_filter: Annotated[ColourFilter, Field(exclude_if=is_unfiltered)] = "none"
-    noise_reduction: Annotated[float, Field(exclude_if=is_zero)] = 0.0
-    colour_blur_px: Annotated[float, Field(exclude_if=is_zero)] = 0.0
-    shading_right_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
-    shading_down_ev: Annotated[float, Field(exclude_if=is_zero)] = 0.0
-    manual_gain: Annotated[float, Field(exclude_if=is_zero)] = 0.0
+    defocus_px: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
+    pixel_px: Annotated[float, Field(exclude_if=equals(1.0))] = 1.0
+    colour_filter: Annotated[ColourFilter, Field(exclude_if=equals("none"))] = "none"
+    noise_reduction: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
+    colour_blur_px: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
+    shading_right_ev: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
+    shading_down_ev: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
+    manual_gain: Annotated[float, Field(exclude_if=equals(0.0))] = 0.0
     """Linear pixel value of a luminance of 1 kcd/m2 with manual exposure; 0 is automatic exposure."""
 
     @classmethod

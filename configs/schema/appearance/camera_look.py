@@ -5,28 +5,13 @@ from typing import Literal
 from pydantic import Field
 
 from configs.schema.base import Section, Slug, absent
+from symolo.core.left_out import equals
 
 ColourFilter = Literal["none", "bayer", "monochrome"]
 
 
-def is_zero(value: float) -> bool:
-    return value == 0
-
-
-def is_one(value: float) -> bool:
-    return value == 1
-
-
 BASE_ISO = 100.0
 """Usual ISO speed without gain."""
-
-
-def is_base(iso: float) -> bool:
-    return iso == BASE_ISO
-
-
-def is_unfiltered(value: ColourFilter) -> bool:
-    return value == "none"
 
 
 class ManualExposure(Section):
@@ -38,7 +23,7 @@ class ManualExposure(Section):
 
     iso: float = Field(ge=1, le=1_000_000)
     """ISO speed S, the gain of the sensor: ISO 200 is twice as bright as ISO 100, with more noise."""
-    base_iso: float = Field(default=BASE_ISO, ge=1, le=1_000_000, exclude_if=is_base)
+    base_iso: float = Field(default=BASE_ISO, ge=1, le=1_000_000, exclude_if=equals(BASE_ISO))
     """ISO speed without gain, at which white fills a pixel: `shot_noise` and `read_noise` are those at this speed."""
     f_number: float = Field(default=2.8, ge=0.5, le=64)
     """F-number N of the lens, its focal length over its aperture: f/2.8 is 2.8. It affects only the brightness."""
@@ -72,31 +57,31 @@ class CameraLook(Section):
     """Factor on the saturation of colours; 0 is grey."""
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light that is lost in the corners."""
-    shading_right_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=is_zero)
+    shading_right_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=equals(0.0))
     """Stops by which the right border of every image is lighter than its left border, as by a lamp on the robot or by a
     lens that is not in the middle of the sensor; 0 is even."""
-    shading_down_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=is_zero)
+    shading_down_ev: float = Field(default=0.0, ge=-3, le=3, exclude_if=equals(0.0))
     """Stops by which the lower border is lighter than the upper one, likewise."""
     lens_blur_px: float = Field(default=0.0, ge=0, le=5)
     """Standard deviation of the lens' point spread; a cheap lens has 0.5 to 1 at 160 x 120."""
-    defocus_share: float = Field(default=0.0, ge=0, le=0.05, exclude_if=is_zero)
+    defocus_share: float = Field(default=0.0, ge=0, le=0.05, exclude_if=equals(0.0))
     """Diameter of the even disc that a point out of focus becomes, as a share of the image's width; 0 is in focus."""
-    pixel_px: float = Field(default=1.0, ge=1, le=8, exclude_if=is_one)
+    pixel_px: float = Field(default=1.0, ge=1, le=8, exclude_if=equals(1.0))
     """Width of the square over which a pixel gathers light; 1 is the pixel itself, 2 an image that the camera has
     enlarged from half as many pixels."""
     veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
     """Share of the light that the lens spreads evenly over the image, which raises the black level."""
-    colour_filter: ColourFilter = Field(default="none", exclude_if=is_unfiltered)
+    colour_filter: ColourFilter = Field(default="none", exclude_if=equals("none"))
     """Colours that the sensor measures: `none` measures all three at each pixel; `bayer` has a filter that lets one of
     them through, and interpolates the others; `monochrome` measures all light together, so that images are grey."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
     """Standard deviation at full white, proportional to the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)
     """Standard deviation of the noise in the dark, relative to full white."""
-    noise_reduction: float = Field(default=0.0, ge=0, le=0.5, exclude_if=is_zero)
+    noise_reduction: float = Field(default=0.0, ge=0, le=0.5, exclude_if=equals(0.0))
     """Contrast of what the camera smooths away: standard deviation along lines of five pixels, relative to full white,
     of which it keeps half; 0 is no noise reduction."""
-    colour_blur_px: float = Field(default=0.0, ge=0, le=20, exclude_if=is_zero)
+    colour_blur_px: float = Field(default=0.0, ge=0, le=20, exclude_if=equals(0.0))
     """Standard deviation of the blur of colours, which takes the colour from noise; 0 is none."""
     sharpening: float = Field(default=0.0, ge=0, le=3)
     """Strength of an unsharp mask; 0 is none."""

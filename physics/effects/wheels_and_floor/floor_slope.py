@@ -7,8 +7,8 @@ from pydantic import Field
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Angle, Parameter, Plausible
-from configs.schema.appearance.camera_look import is_one
 from symolo.core.arrays import Array
+from symolo.core.left_out import equals
 
 
 class FloorSlope(Effect):
@@ -28,7 +28,7 @@ class FloorSlope(Effect):
     on_the_spot: Annotated[
         float,
         Parameter("1", null=None, start=0.5, low=0.0, high=1.0, is_known=True),
-        Field(exclude_if=is_one),  # a specification has the bytes that it had before this number existed
+        Field(exclude_if=equals(1.0)),  # a specification has the bytes that it had before this number existed
     ] = 1.0
     """Creep in a turn on the spot, relative to that on a straight line with as much rolling of the wheels. Tyres creep
     as they roll, so that it is 1. It is 0 if the robot creeps only while the middle of its axle moves."""
