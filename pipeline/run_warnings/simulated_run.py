@@ -14,6 +14,7 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from pipeline.run_warnings.angles import in_radians, is_round_in_radians, settings_in_radians
 from pipeline.run_warnings.body_room import too_close
 from pipeline.run_warnings.commanded_speed import commanded_in_other_units
+from pipeline.run_warnings.inside_walls import inside_walls
 from pipeline.run_warnings.own_shadow import shadows_without_robot
 from pipeline.run_warnings.suspicion import Suspicion
 from pipeline.run_warnings.unusual_settings import unusual_settings
@@ -81,6 +82,7 @@ def _suspicions(spec: RunSpec) -> Iterator[Suspicion]:
     yield from _in_radians(spec, line)
     yield from unusual_settings(spec)
     yield from shadows_without_robot(spec)
+    yield from inside_walls(spec)
     yield from _outside_the_body(spec.robot)
     if spec.board is None and spec.controller is None:
         yield from _too_slow(spec.robot)
