@@ -6,6 +6,7 @@ was written before contains their text, which nothing executes.
 
 import importlib
 import os
+import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,7 +69,7 @@ class RobotFiles:
         other = self.family.files.get(record.name)
         cure = (
             f"`symolo {self.noun} extract` writes the file from the dataset; read it, since it is code, and then name"
-            f" it before the command: symolo --{self.noun}-file {record.file} ..."
+            f" it before the command: symolo --{self.noun}-file {shlex.quote(record.file)} ..."
         )
         if other is None:
             what = f"{self.noun} {record.name}: its file {record.file} ({record.sha256}) is not loaded"

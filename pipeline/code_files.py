@@ -2,9 +2,12 @@
 
 import keyword
 import re
+import shlex
 from collections.abc import Iterable, Iterator
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
+from unicodedata import normalize
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -60,12 +63,23 @@ def code_files(folder: Path, kind: RobotFiles) -> tuple[CodeFile, ...]:
 
 
 def named_contents(files: Iterable[CodeFile]) -> dict[str, bytes]:
-    """Return the content of each file by its name, with a part of the SHA-256 where two have the same name."""
+    """Return the content of each file by its name, with a part of the SHA-256 where two have the same name.
+
+    Names are also the same if a file system may take them for one, in upper and lower case or in two forms of Unicode.
+    """
     contents: dict[str, bytes] = {}
+    taken: set[str] = set()
     for file in files:
-        name = f"{Path(file.file).stem}-{file.sha256[:8]}.py" if file.file in contents else file.file
+        other = f"{Path(file.file).stem}-{file.sha256[:8]}"
+        names = chain((file.file, f"{other}.py"), (f"{other}-{number}.py" for number in count(2)))
+        name = next(name for name in names if _as_one(name) not in taken)
+        taken.add(_as_one(name))
         contents[name] = file.text.encode()
     return contents
+
+
+def _as_one(name: str) -> str:
+    return normalize("NFC", normalize("NFC", name).casefold())
 
 
 def extracted(folder: Path, out: Path, kind: RobotFiles) -> tuple[str, ...]:
@@ -98,7 +112,7 @@ def code_file_lines(folder: Path) -> Iterator[str]:
             loaded = kind.family.files.get(file.name)
             state = "a file with the same content is loaded"
             if loaded is None:
-                state = f"not loaded; only --{kind.noun}-file {file.file} simulates its runs again"
+                state = f"not loaded; only --{kind.noun}-file {shlex.quote(file.file)} simulates its runs again"
             elif loaded.sha256 != file.sha256:
                 state = f"the loaded file {loaded.path} has changed since, its SHA-256 is {loaded.sha256}"
             yield f"{kind.noun} {file.name}: made with {file.file}, SHA-256 {file.sha256}; {state}"

@@ -6,6 +6,7 @@ is executed.
 """
 
 import os
+import shlex
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -117,7 +118,8 @@ def _check_stored(posterior: Node) -> None:
                 f"{KEY}.effect_files: {record.file} is not loaded" + (" with this content" if file else ""),
                 where=posterior.where,
                 allowed=f"a file with the SHA-256 {record.sha256}",
-                cure=f"write its text to a file, read it, and name that: symolo --effect-file {record.file} ...",
+                cure=f"write its text to a file, read it, and name that: symolo --effect-file"
+                f" {shlex.quote(record.file)} ...",
             )
 
 

@@ -2,15 +2,19 @@
 
 import hashlib
 import json
+import unicodedata
 
 import pytest
+from pydantic import ValidationError
 
 from configs.draw import draw_run
 from configs.loader import load_resolved, load_scenario
+from configs.schema.code_file import CodeFile
 from configs.schema.scenario import RunSpec
+from configs.user_files import SENSOR_FILES
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.cli import main
-from pipeline.code_files import code_file_lines
+from pipeline.code_files import code_file_lines, named_contents
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.stages.simulate import simulate
 from sensors.registry import SENSORS
@@ -138,3 +142,44 @@ def test_the_files_of_simulated_runs_are_listed_and_extracted_without_loading_th
 def test_the_schema_for_editors_takes_a_list_of_paths():
     definitions = scenario_json_schema()["$defs"]
     assert definitions["RobotConfig"]["properties"]["sensor_files"]["items"]["type"] == "string"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../evil.py",
+        "a/b.py",
+        "a\\b.py",
+        "C:evil.py",
+        ".evil.py",
+        "e\nvil.py",
+        "e\x1b[2Jvil.py",
+        "e\x9b2Jvil.py",
+        "e\u202evil.py",
+        "e\u2028vil.py",
+        "e\u2066vil.py",
+        "evil.pth",
+        "x" * 252 + ".py",
+    ],
+)
+def test_a_name_that_leads_elsewhere_or_controls_a_terminal_is_a_fault(name):
+    with pytest.raises(ValidationError, match=r"file\n"):
+        CodeFile(name="feeler", file=name, sha256=hashlib.sha256(b"").hexdigest(), text="")
+
+
+def test_the_name_of_a_file_is_quoted_where_a_command_is_printed():
+    file = CodeFile(name="feeler", file="$(rm x).py", sha256=hashlib.sha256(b"").hexdigest(), text="")
+    assert "symolo --sensor-file '$(rm x).py' ..." in str(SENSOR_FILES.problem(file))
+
+
+@pytest.mark.parametrize("names", [["a.py", "A.py"], ["\u00e9.py", "e\u0301.py"], ["made", "a.py", "a.py"]])
+def test_no_extracted_file_hides_another_one(names):
+    """The last of three gets a name with its SHA-256, which a publisher may have given to the first."""
+    texts = [str(number) for number in range(len(names))]
+    digests = [hashlib.sha256(text.encode()).hexdigest() for text in texts]
+    names = [f"a-{digests[-1][:8]}.py" if name == "made" else name for name in names]
+    parts = zip(names, digests, texts, strict=True)
+    files = [CodeFile(name="feeler", file=name, sha256=digest, text=text) for name, digest, text in parts]
+    contents = named_contents(files)
+    assert [*contents.values()] == [text.encode() for text in texts]
+    assert len({unicodedata.normalize("NFC", name).lower() for name in contents}) == len(texts)
