@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from configs.robot_sensors import SensorSettings
+from configs.robot_sensors import RobotSensors, SensorSettings, UnloadedSettings
 from configs.schema.robot import RobotConfig
 from configs.user_files import SENSOR_FILES
 from sensors.base import Sensor
@@ -36,6 +36,19 @@ def listed_sensors(robot: RobotConfig) -> tuple[ListedSensor, ...]:
         InputError: The class of a sensor is not loaded, or its file has changed since the data were made.
     """
     return tuple(ListedSensor(kind.name, kind.table(name, settings)) for name, kind, settings in _listed(robot))
+
+
+def with_loaded_sensors(robot: RobotConfig) -> tuple[RobotConfig, dict[str, InputError]]:
+    """Return the robot with those of `robot.sensors` whose classes are loaded, and why the others cannot be built."""
+    loaded: list[tuple[str, SensorSettings | UnloadedSettings]] = []
+    problems: dict[str, InputError] = {}
+    for name, settings in robot.sensors:
+        try:
+            listed_sensors(robot.model_copy(update={"sensors": RobotSensors(((name, settings),))}))
+            loaded.append((name, settings))
+        except InputError as error:
+            problems[name] = error
+    return robot.model_copy(update={"sensors": RobotSensors(tuple(loaded))}), problems
 
 
 def _listed(robot: RobotConfig) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:

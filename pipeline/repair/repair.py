@@ -112,7 +112,7 @@ def _repair(
     devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
     tools = RepairTools(scratch, workers, report, devices, difference)
     specs = descriptions.make_specs(state, metadata, state.runs())
-    tables.make_tables(state, specs, tools)
+    tables.make_tables(state, specs, metadata, tools)
     frames.render_frames(state, specs, tools)
     descriptions.flip_back(state, list(state.wanted))
     descriptions.write_bag_info(state, metadata)

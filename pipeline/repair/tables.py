@@ -1,7 +1,7 @@
 """Tables of a run, from its first stage or from a new simulation."""
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from zipfile import BadZipFile
@@ -15,40 +15,57 @@ from pipeline.stages.run_tables import stage_tables
 from pipeline.stages.simulate_runs import simulation_key
 from pipeline.work.unit_progress import report_event
 from pipeline.work.units import SimulateUnit
-from sensors.build import listed_sensors
+from sensors.build import listed_sensors, with_loaded_sensors
 from symolo.core.errors import InputError
-from symolo.dataset.layout import ANNOTATIONS, camera_and_file
+from symolo.dataset.documents.metadata import Metadata
+from symolo.dataset.layout import ANNOTATIONS, SIDE, camera_and_file
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 
 
-def make_tables(state: RepairState, specs: Mapping[str, SceneSpec], tools: RepairTools) -> None:
+def make_tables(
+    state: RepairState, specs: Mapping[str, SceneSpec], metadata: Metadata | None, tools: RepairTools
+) -> None:
     """Restore data.csv, positions and side tables of the runs whose specifications are known."""
     for run, spec in specs.items():
         if _damaged_tables(state, run):
+            sensors = metadata.listed_sensors if metadata else listed_sensors(with_loaded_sensors(spec.robot)[0])
+            made = stage_tables(spec, state.workspace.simulate(run).path, sensors)
             with contextlib.suppress(InputError, OSError, ValueError, KeyError, BadZipFile):
-                _put(state, spec, state.workspace.simulate(run).path, "from the trajectory", "")
+                _put(state, run, made, "from the trajectory", "")
     lost = [spec for run, spec in specs.items() if _damaged_tables(state, run)]
     for spec in lost:
         if spec.origin:
             _explain(state, spec, TAKEN)
-    simulated = [spec for spec in lost if isinstance(spec, RunSpec) and not spec.origin and _can_act(state, spec)]
+    needed = [spec for spec in lost if isinstance(spec, RunSpec) and not spec.origin and _can_act(state, spec)]
+    simulated = [loaded for spec in needed if (loaded := _with_loaded_sensors(state, spec))]
     for spec, folder in zip(simulated, _simulate(simulated, tools), strict=True):
         try:
-            _put(state, spec, folder, "simulated again", tools.excuse(spec.key))
+            _put(state, spec.key, stage_tables(spec, folder), "simulated again", tools.excuse(spec.key))
         except OSError:
             _explain(state, spec, "the run cannot be simulated again")
 
 
 def _can_act(state: RepairState, spec: SceneSpec) -> bool:
-    """Return whether the files of effects and sensors are loaded, and note why not: a dataset's code is not run."""
+    """Return whether the files of the effects are loaded, and note why not: the code of a dataset is not executed."""
     try:
         spec.robot.effects.require_loaded()
-        listed_sensors(spec.robot)
     except InputError as error:
         _explain(state, spec, str(error))
         return False
     return True
+
+
+def _with_loaded_sensors(state: RepairState, spec: RunSpec) -> RunSpec | None:
+    """Return the run without sensors whose files are not loaded, and note why these have no readings.
+
+    They change no other reading, and each file must have its checksum. None if nothing else is damaged.
+    """
+    robot, problems = with_loaded_sensors(spec.robot)
+    tables = {f"{SIDE}/{name}.csv": problem for name, problem in problems.items()}
+    damaged = _damaged_tables(state, spec.key)
+    state.tried |= {f"{spec.key}/{inner}": str(tables[inner]) for inner in damaged & tables.keys()}
+    return spec.model_copy(update={"robot": robot}) if damaged - tables.keys() else None
 
 
 def _damaged_tables(state: RepairState, run: str) -> set[str]:
@@ -62,10 +79,10 @@ def _explain(state: RepairState, spec: SceneSpec, reason: str) -> None:
         state.tried[f"{spec.key}/{inner}"] = reason
 
 
-def _put(state: RepairState, spec: SceneSpec, folder: Path, how: str, excuse: str) -> None:
-    """Restore tables from the folder of a run's first stage."""
-    for inner, data in stage_tables(spec, folder):
-        state.put(f"{spec.key}/{inner}", data, how, excuse)
+def _put(state: RepairState, run: str, tables: Iterable[tuple[str, bytes]], how: str, excuse: str) -> None:
+    """Restore tables of a run, which are made one by one."""
+    for inner, data in tables:
+        state.put(f"{run}/{inner}", data, how, excuse)
 
 
 def _simulate(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:

@@ -182,14 +182,9 @@ def _with_metadata(runs: tuple[ExternalRun, ...], files: tuple[Path, ...], metad
         metadata.description,
         metadata.licence,
         metadata.scenario,
-        _listed(metadata),
+        metadata.listed_sensors,
         split_of=metadata.splits.of_runs if metadata.splits else {},
     )
-
-
-def _listed(metadata: Metadata) -> tuple[ListedSensor, ...]:
-    """Return the sensors of the runs with their kinds and tables."""
-    return tuple(map(ListedSensor, (sensor.kind for sensor in metadata.sensors.values()), metadata.sensor_tables))
 
 
 def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) -> ExternalRun:
@@ -199,7 +194,7 @@ def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) 
     outcome = RunOutcome.of_rows(
         read_rows(folder / DATA), record.lap_time_s, record.board, record.controller, suspicions
     )
-    return _taken(folder, spec, _listed(metadata), outcome, digest)
+    return _taken(folder, spec, metadata.listed_sensors, outcome, digest)
 
 
 def _taken(

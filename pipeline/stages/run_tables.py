@@ -1,7 +1,7 @@
 """The tables of a run from its first stage: of a simulation, or taken from a log or from another release."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.layout import CAMERAS, DATA, POSITIONS, SIDE
 from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv, obstacles_csv_at
 from symolo.dataset.tables.rows import Rows, read_rows
-from symolo.dataset.tables.sensor_tables import sensor_csv
+from symolo.dataset.tables.sensor_tables import ListedSensor, sensor_csv
 from symolo.dataset.tables.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
 TAKEN = "taken"
@@ -83,29 +83,37 @@ def stage_has_images(spec: SceneSpec, folder: Path) -> bool:
     return bool(cameras_of(spec)) and (not spec.is_imported or bool(stage_rows(folder).image.any()))
 
 
-def stage_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
+def stage_tables(
+    spec: SceneSpec, folder: Path, sensors: Sequence[ListedSensor] | None = None
+) -> Iterator[tuple[str, bytes]]:
     """Yield the released files of a run except images and annotations, with their paths in its folder.
 
     Args:
         spec: Specification of the run.
         folder: Folder of its first stage.
+        sensors: Sensors whose tables are written; None for all of the robot, whose classes must be loaded.
     """
     if is_external(folder):
         yield from _taken_tables(spec, folder / TAKEN)
     else:
         assert isinstance(spec, RunSpec)  # noqa: S101 - what was simulated has the rates of a simulation
-        yield from tables(spec, read_recording(folder))
+        yield from tables(spec, read_recording(folder), sensors)
 
 
-def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
-    """Yield the released files of a simulated run except images and annotations, with their paths in its folder."""
+def tables(
+    spec: RunSpec, recording: Recording, sensors: Sequence[ListedSensor] | None = None
+) -> Iterator[tuple[str, bytes]]:
+    """Yield the released files of a simulated run except images and annotations, with their paths in its folder.
+
+    `sensors` are as for `stage_tables`.
+    """
     rows = Rows.from_recording(recording)
     yield DATA, rows.to_csv()
     yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
-    for sensor in listed_sensors(spec.robot):
+    for sensor in listed_sensors(spec.robot) if sensors is None else sensors:
         yield f"{SIDE}/{sensor.table.file}", sensor_csv(sensor.table, recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:

@@ -302,6 +302,11 @@ class Metadata(Record):
             for name, sensor in self.sensors.items()
         )
 
+    @property
+    def listed_sensors(self) -> tuple[ListedSensor, ...]:
+        """Sensors of `robot.sensors` with their kinds and tables."""
+        return tuple(map(ListedSensor, (sensor.kind for sensor in self.sensors.values()), self.sensor_tables))
+
     def header(self, file: str) -> tuple[str, ...]:
         """Return the names of the columns of a table, as its first line has them; `file` is a key of `columns`."""
         return tuple(column.name for column in single(column.column for column in self.columns[file]))
