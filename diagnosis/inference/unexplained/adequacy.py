@@ -19,8 +19,15 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
 from diagnosis.inference.fitting.projection import beyond, orthonormal
-from diagnosis.inference.unexplained.bases import OUTLIERS_IN_A_ROW, RUNS_OF_ROWS, Basis, bases, standing_out
-from diagnosis.inference.unexplained.outlier_clusters import APART, cluster, wild
+from diagnosis.inference.unexplained.bases import (
+    OUTLIERS_IN_A_ROW,
+    RUNS_OF_OUTLIERS,
+    RUNS_OF_ROWS,
+    Basis,
+    bases,
+    standing_out,
+)
+from diagnosis.inference.unexplained.outlier_clusters import APART, beginnings, cluster, wild
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import ROW_TIME, Covariate
 from symolo.core.arrays import Array
@@ -71,18 +78,13 @@ class Structure:
     is_over_time: bool
     """Whether the covariate is only the time at which a row was taken. A jump of speeds from counts is no such
     structure, because counts have no zero that may drift."""
-    longest_run: int = 0
-    """Number of rows of the longest of the runs of rows of which the structure consists; 0 for other structures."""
+    is_of_outliers: bool = False
+    """Whether the structure may be a few outliers in successive rows, which a logger can cause."""
 
     @property
     def is_drift(self) -> bool:
         """Return whether the structure may be the slow drift that every zero has, and need not have a cause."""
-        return self.is_over_time and self.size < DRIFT and not self.longest_run
-
-    @property
-    def is_of_outliers(self) -> bool:
-        """Return whether the structure may be a few outliers in successive rows, which a logger can cause."""
-        return 0 < self.longest_run <= OUTLIERS_IN_A_ROW
+        return self.is_over_time and self.size < DRIFT
 
     @property
     def may_lack_cause(self) -> bool:
@@ -118,10 +120,12 @@ class Adequacy:
     @property
     def worst(self) -> Structure:
         """The most significant structure; of covariates that explain a quantity equally well, the first."""
-        top = self.structures[0]
-        same = [s for s in self.structures if s.observed == top.observed and s.p < LEVEL]
+        significant = [s for s in self.structures if s.p < LEVEL]
+        # Beside a lasting structure, outliers in a row say nothing.
+        top = next((s for s in significant if not s.is_of_outliers), self.structures[0])
+        same = [s for s in significant if s.observed == top.observed and s.is_of_outliers == top.is_of_outliers]
         alike = [s for s in same if s.explainable >= AS_MUCH * top.explainable]
-        return min(alike, key=lambda s: s.rank) if self.structures[0].p < LEVEL else top
+        return min(alike, key=lambda s: s.rank) if significant else top
 
 
 def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None) -> Adequacy:
@@ -134,7 +138,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
             structures += _clusters(evidence, tangents, number)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
-    row_forms = (RUNS_OF_ROWS, CLUSTER)
+    row_forms = (RUNS_OF_ROWS, RUNS_OF_OUTLIERS, CLUSTER)
     explained = {s.observed for s in whole if s.p < LEVEL and s.what not in row_forms}
     # A function of a covariate also makes single rows stand out, which then add nothing.
     structures = [s for s in whole if s.what not in row_forms or s.observed not in explained]
@@ -147,11 +151,13 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     rows = evidence.fit[place]
     inside = np.arange(place.start, place.stop)[rows]
     wild_rows = wild(tangents.z[inside], quantity.trial[rows])
+    runs = beginnings(wild_rows) if quantity.is_series else np.arange(len(inside))
     session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
     along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
     along += [
-        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows], wild_rows))
+        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows], wild_rows, what))
         for rank, covariate, _ in along
+        for what in (RUNS_OF_ROWS, RUNS_OF_OUTLIERS)
         # What a voltage did before it was logged lasts for some rows, so that a run of rows is no sign of a cause.
         if covariate.name == ROW_TIME and not evidence.has_early_voltages(quantity)
     ]
@@ -159,7 +165,7 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     for rank, covariate, functions in along:
         best: Structure | None = None
         for basis in functions:
-            p, gain = tangents.test(number, inside, basis)
+            p, gain = tangents.test(number, inside, basis, runs)
             p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
             if best is None or p < best.p:
                 columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
@@ -174,8 +180,9 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
                     rank=rank,
                     basis=columns,
                     size=float(np.sqrt(gain / rows_worth)),
-                    is_over_time=covariate.name in SESSION or (covariate.name == ROW_TIME and not session),
-                    longest_run=basis.longest_run,
+                    is_over_time=basis.what not in {RUNS_OF_ROWS, RUNS_OF_OUTLIERS}
+                    and (covariate.name in SESSION or (covariate.name == ROW_TIME and not session)),
+                    is_of_outliers=basis.is_of_outliers,
                 )
         if best is not None:
             yield best
@@ -207,7 +214,7 @@ def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterato
             basis=column,
             size=float(np.sqrt(squares / evidence.weight[place][rows].sum())),
             is_over_time=False,
-            longest_run=run_of_outliers(clustered.rows, MAX_RUNS if is_clock(covariate) else 1),
+            is_of_outliers=may_be_of_logger(clustered.rows, MAX_RUNS if is_clock(covariate) else 1),
         )
 
 
@@ -216,8 +223,8 @@ def is_clock(covariate: Covariate) -> bool:
     return covariate.name in SESSION or covariate.name == ROW_TIME
 
 
-def run_of_outliers(rows: Mask, max_runs: int = 1) -> int:
-    """Return the number of rows of the longest run of some rows, if a logger can cause them; else 0.
+def may_be_of_logger(rows: Mask, max_runs: int = 1) -> bool:
+    """Return whether a logger can cause runs of some rows.
 
     Args:
         rows: (n,), rows that stand out.
@@ -225,8 +232,7 @@ def run_of_outliers(rows: Mask, max_runs: int = 1) -> int:
     """
     places = np.flatnonzero(rows)
     runs = [places] if max_runs == 1 else np.split(places, 1 + np.flatnonzero(np.diff(places) > APART))
-    length = max(int(run[-1] - run[0]) + 1 for run in runs)
-    return length if len(runs) <= max_runs and length <= OUTLIERS_IN_A_ROW else 0
+    return len(runs) <= max_runs and max(int(run[-1] - run[0]) + 1 for run in runs) <= OUTLIERS_IN_A_ROW
 
 
 class _Tangents:
@@ -244,8 +250,11 @@ class _Tangents:
         self.residuals = residuals - self._basis @ (self._basis.T @ residuals)
         """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
 
-    def test(self, number: int, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
-        """Return the p-value of a basis over samples `inside` of a quantity, and the fall of the cost beyond chance."""
+    def test(self, number: int, inside: NDArray[np.intp], basis: Basis, runs: NDArray[np.intp]) -> tuple[float, float]:
+        """Return the p-value of a basis over samples `inside` of a quantity, and the fall of the cost beyond chance.
+
+        `runs` are the places among them at which a row begins, or a run of outliers that are one mistake of the logger.
+        """
         columns = basis.columns * self._root[inside, None]
         taken = self._basis[inside].T @ columns
         combined = beyond(columns, taken)
@@ -262,7 +271,10 @@ class _Tangents:
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(outside @ outside) / weight / degrees
-        return f_test(explained, level, k, degrees), max(0.0, explained - k * level)
+        gain = max(0.0, explained - k * level)
+        if basis.what != RUNS_OF_OUTLIERS:
+            explained /= _more_squares(free * outside[:, None], runs)
+        return f_test(explained, level, k, degrees), gain
 
     def _more_noise(self, number: int, inside: NDArray[np.intp], functions: Array) -> float:
         """Return the squares of the noise inside the span of functions, relative to independent noise; at least 1.
@@ -284,6 +296,18 @@ class _Tangents:
         products = (whole[:-later] * whole[later:]).sum(axis=1) * together
         shared = float(products @ quantity.shared.correlation[:-later])
         return max(1.0, 1.0 + 2.0 * shared / functions.shape[1])
+
+
+def _more_squares(products: Array, runs: NDArray[np.intp]) -> float:
+    """Return by which factor runs of outliers scatter more along functions than independent rows; at least 1.
+
+    The errors within a run add up, and runs are independent (Liang and Zeger, Biometrika 73 (1986) 13-22).
+
+    Args:
+        products: (n, k), functions times residuals.
+        runs: Places at which a row or a run begins.
+    """
+    return max(1.0, float((np.add.reduceat(products, runs) ** 2).sum()) / max(float((products**2).sum()), 1e-300))
 
 
 def f_test(explained: float, level: float, functions: int, degrees: float) -> float:

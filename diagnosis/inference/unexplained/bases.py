@@ -31,6 +31,7 @@ OUTLIERS_IN_A_ROW = 8
 speak against effects, which act in all rows. GAP_FORMAT has runs of up to six; a run is found with a few rows more."""
 MAX_RUNS = 16
 RUNS_OF_ROWS = "runs of rows"
+RUNS_OF_OUTLIERS = "runs of outliers"
 ROWS_FOR_RUNS = 60
 JUMPS = 40
 """Steps at quantiles, for `any_function`."""
@@ -60,8 +61,8 @@ class Basis:
     """Description for reports, such as `trend` or `wave of LENGTH`."""
     tries: int = 1
     """Number of bases that are tested, of which this is one."""
-    longest_run: int = 0
-    """Number of rows of the longest of the runs of which the basis consists; 0 for other bases."""
+    is_of_outliers: bool = False
+    """Whether the basis consists of runs of rows so short that a logger may cause them."""
 
 
 def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
@@ -178,21 +179,23 @@ def _along_outline(covariate: Covariate, rows: Mask) -> Array:
     return columns if covariate.size is None else columns * covariate.size[rows, None]
 
 
-def standing_out(residuals: Array, trial: NDArray[np.int64], wild: Mask) -> Iterator[Basis]:
+def standing_out(residuals: Array, trial: NDArray[np.int64], wild: Mask, what: str) -> Iterator[Basis]:
     """Yield bases of runs of rows with large residuals: of the largest run, of the two largest, of four, and so on.
 
     A single row that stands out is an outlier, which any log has; several successive ones have a lasting cause. A basis
-    counts as one of all sets of as many runs, with either sign. A run that chance would bring without the wild readings
-    in it is only as long as these are many.
+    counts as one of all sets of as many runs, with either sign. Runs of wild readings and other runs are sets apart:
+    among sixteen runs, some are by chance as long as those of a lasting cause, which must not be what is wild.
 
     Args:
         residuals: (n,), residuals, clipped.
         trial: (n,), trial of each row; a run lies within one trial.
         wild: (n,), readings far off that a logger can cause.
+        what: `RUNS_OF_OUTLIERS` for the runs of wild readings, `RUNS_OF_ROWS` for the runs of all others.
     """
     if len(residuals) < ROWS_FOR_RUNS:
         return
-    total = np.append(0.0, np.cumsum(residuals))
+    counts = wild if what == RUNS_OF_OUTLIERS else ~wild
+    total = np.append(0.0, np.cumsum(np.where(counts, residuals, 0.0)))
     begins, lengths, means = [], [], []
     for length in RUNS:
         begin = np.flatnonzero(trial[length - 1 :] == trial[: len(trial) - length + 1])
@@ -209,15 +212,13 @@ def standing_out(residuals: Array, trial: NDArray[np.int64], wild: Mask) -> Iter
         if square[run] <= 0.0:
             return
         first, last = int(begin[run]), int(begin[run] + length[run])
-        inside = slice(first, last)
-        column[inside] = mean[run]
-        tame = residuals[inside][~wild[inside]]
-        lasts = tame.sum() ** 2 > by_chance * (last - first) or len(tame) == last - first
-        longest = max(longest, last - first if lasts else int(np.count_nonzero(wild[inside])))
+        column[first:last] = np.where(counts[first:last], mean[run], 0.0)
+        longest = max(longest, last - first if square[run] > by_chance else 0)
         square[(begin < last) & (begin + length > first)] = 0.0
         if count.bit_count() == 1:  # 1, 2, 4, ...
             tries = math.comb(len(begin), count) * 2**count
-            yield Basis(column[:, None].copy(), RUNS_OF_ROWS, tries, longest)
+            is_of_outliers = what == RUNS_OF_OUTLIERS or 0 < longest <= OUTLIERS_IN_A_ROW
+            yield Basis(column[:, None].copy(), what, tries, is_of_outliers)
 
 
 def _where(known: Mask, columns: Array) -> Array:

@@ -98,6 +98,11 @@ def wild(z: Array, trial: NDArray[np.int64]) -> Mask:
     return rows
 
 
+def beginnings(wild_rows: Mask) -> NDArray[np.intp]:
+    """Return the places at which a row begins, or a run of successive wild rows."""
+    return np.flatnonzero(~(wild_rows & np.append(False, wild_rows[:-1])))
+
+
 def _sides(z: Array) -> Array:
     """Return the side (n,) of each residual that is an outlier; 0 for the others."""
     return np.where(np.abs(z) > FAR, np.sign(z), 0.0)

@@ -24,7 +24,7 @@ from diagnosis.inference.fitting.noise_effects import fixed_levels
 from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, run_of_outliers
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, may_be_of_logger
 from diagnosis.inference.unexplained.equivalent_errors import is_error_of_own_effect
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.series_forms import series_forms
@@ -100,9 +100,9 @@ def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, r
     better = [(ahead, form) for ahead, form in rivals if form is not None and ahead >= BETTER]
     if better:
         ahead, form = max(better, key=lambda pair: pair[0])
-        strongest = _structure(evidence, form, explainable=ahead, longest_run=0)
+        strongest = _structure(evidence, form, explainable=ahead, is_of_outliers=False)
     elif (beside := best_form(evidence, fit)) is not None:
-        strongest = _structure(evidence, beside, beside.explainable, _run_of_rows(evidence, beside))
+        strongest = _structure(evidence, beside, beside.explainable, is_of_outliers=_may_be_of_logger(evidence, beside))
     else:
         return result
     return Adequacy(tuple(sorted((strongest, *result.structures), key=lambda structure: structure.p)))
@@ -129,7 +129,7 @@ def _heldout(evidence: Evidence, number: int) -> Mask:
     return evidence.heldout & (not evidence.observed[number].is_series)
 
 
-def _structure(evidence: Evidence, fitted: FittedForm, explainable: float, longest_run: int) -> Structure:
+def _structure(evidence: Evidence, fitted: FittedForm, explainable: float, *, is_of_outliers: bool) -> Structure:
     observed, form = evidence.observed[fitted.quantity], fitted.form
     rows = evidence.fit[evidence.places[fitted.quantity]]
     return Structure(
@@ -143,15 +143,15 @@ def _structure(evidence: Evidence, fitted: FittedForm, explainable: float, longe
         basis=np.where(evidence.fit, fitted.column, 0.0)[:, None],
         size=float(np.sqrt(max(0.0, fitted.explainable) / np.count_nonzero(rows))),
         is_over_time=False,
-        longest_run=longest_run,
+        is_of_outliers=is_of_outliers,
     )
 
 
-def _run_of_rows(evidence: Evidence, fitted: FittedForm) -> int:
-    """Return the length of the run of rows that a form changes, if a logger can cause it; else 0."""
+def _may_be_of_logger(evidence: Evidence, fitted: FittedForm) -> bool:
+    """Return whether a form changes only a run of rows that a logger can cause."""
     place = evidence.places[fitted.quantity]
     change = np.where(evidence.fit[place], np.abs(fitted.column[place]), 0.0)
-    return run_of_outliers(change > CHANGED * change.max(initial=0.0))
+    return may_be_of_logger(change > CHANGED * change.max(initial=0.0))
 
 
 @memoized

@@ -3,7 +3,7 @@
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.naming.verdict import DOUBT
 from diagnosis.inference.unexplained.adequacy import CLUSTER, LEVEL, Structure
-from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS
+from diagnosis.inference.unexplained.bases import RUNS_OF_OUTLIERS, RUNS_OF_ROWS
 from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
@@ -29,6 +29,7 @@ def unexplained_sentence(structure: Structure) -> str:
     shape = {
         CLUSTER: f"outliers at neighbouring values of {words}",
         RUNS_OF_ROWS: "successive rows that are off together",
+        RUNS_OF_OUTLIERS: "outliers in successive rows",
         "trend": f"a smooth curve over {words}",
         "category": f"another mean for each {words}",
         "turn": f"an oscillation with {words}",

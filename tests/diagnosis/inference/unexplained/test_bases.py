@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.unexplained.bases import bases, standing_out
+from diagnosis.inference.unexplained.bases import RUNS_OF_OUTLIERS, RUNS_OF_ROWS, bases, standing_out
 from diagnosis.predictors.base import Covariate, CovariateShape
 
 STEPS = (3.0, -5.0, 2.0, -4.0, 6.0, -2.0)
@@ -103,7 +103,7 @@ class TestRunsOfRows:
         falls = [
             float(basis.columns[:, 0] @ left) ** 2 / float(basis.columns[:, 0] @ basis.columns[:, 0])
             - 2.0 * np.log(float(basis.tries))
-            for basis in standing_out(left, self.TRIAL, self.TAME)
+            for basis in standing_out(left, self.TRIAL, self.TAME, RUNS_OF_ROWS)
         ]
         return max(falls)
 
@@ -124,14 +124,15 @@ class TestRunsOfRows:
         left = np.zeros(1000)
         wild = np.isin(np.arange(1000), [300, 301, 302, 303, 304, 308, 309, 310])
         left[wild] = 3.0
-        assert next(standing_out(left, self.TRIAL, self.TAME)).longest_run > 8
-        assert next(standing_out(left, self.TRIAL, wild)).longest_run <= 8
+        assert not next(standing_out(left, self.TRIAL, self.TAME, RUNS_OF_ROWS)).is_of_outliers
+        assert not list(standing_out(left, self.TRIAL, wild, RUNS_OF_ROWS))
+        assert next(standing_out(left, self.TRIAL, wild, RUNS_OF_OUTLIERS)).is_of_outliers
 
     def test_a_run_lies_in_one_trial(self):
         left = np.zeros(1000)
         left[246:254] = 1.0
-        column = next(standing_out(left, self.TRIAL, self.TAME)).columns[:, 0]
+        column = next(standing_out(left, self.TRIAL, self.TAME, RUNS_OF_ROWS)).columns[:, 0]
         assert set(np.flatnonzero(column)) in ({246, 247, 248, 249}, {250, 251, 252, 253})
 
     def test_few_rows_have_none(self):
-        assert not list(standing_out(np.ones(40), np.zeros(40, dtype=int), np.zeros(40, dtype=bool)))
+        assert not list(standing_out(np.ones(40), np.zeros(40, dtype=int), np.zeros(40, dtype=bool), RUNS_OF_ROWS))

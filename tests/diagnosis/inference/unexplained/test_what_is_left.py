@@ -214,7 +214,7 @@ def test_a_name_that_a_nominal_number_imitates_stays_beside_outliers_in_a_row(st
     named = fitted(evidence, nominal.hypothesis.with_effect(friction))
     assert 36.0 < nominal.cost - named.cost < 49.0
     rows = np.isin(np.arange(len(named.z)), [500, 501, 502, 503])
-    outliers = replace(adequacy(evidence, named).structures[0], p=0.0, basis=rows[:, None] * 1.0, longest_run=4)
+    outliers = replace(adequacy(evidence, named).structures[0], p=0.0, basis=rows[:, None] * 1.0, is_of_outliers=True)
     assert retained_effects(evidence, nominal, named, Adequacy((outliers,))) == [friction]
 
 
