@@ -42,6 +42,8 @@ class CovariateShape(TextEnum):
     """Numbers that are only names, such as that of a trial or a wall."""
     EVENT = "event"
     """Size of an event with a sign, 0 where there is none. Events that are large enough have the same consequence."""
+    COMPUTED = "computed"
+    """Dependence by functions that the stage computes (`functions`), of which one at most is right."""
     OUTLINE = "outline"
     """Place along a closed outline with corners, such as the walls of a room."""
 
@@ -66,6 +68,8 @@ class Covariate:
     """Response of the quantity to a torque that depends on this angle; None if this is no angle of a shaft."""
     levels: Array | None = None
     """(n, k), number of events that reach each of k sizes, those of the other sign subtracted; None for no events."""
+    functions: tuple[Array, ...] = ()
+    """Sets of functions that are tested one by one, (n, k) each; the values are only for plots."""
     corners: tuple[float, ...] = ()
     """Places of the corners of an outline in rising order, with its start and its end, which are the same corner. A
     dependence may jump there."""

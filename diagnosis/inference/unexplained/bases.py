@@ -84,6 +84,8 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         yield from _turns(covariate, rows)
     elif covariate.shape is CovariateShape.EVENT:
         yield from _events(covariate, rows)
+    elif covariate.shape is CovariateShape.COMPUTED:
+        yield from _computed(covariate, rows)
     elif covariate.shape is CovariateShape.OUTLINE:
         yield from _enough(_along_outline(covariate, rows), "outline")
     else:
@@ -161,6 +163,13 @@ def _events(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         columns = np.stack([level > 0.0, level < 0.0], axis=1).astype(float)
         for basis in _enough(columns, "event"):
             yield replace(basis, tries=levels.shape[1])
+
+
+def _computed(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
+    """Yield each set of functions that a stage has computed."""
+    for functions in covariate.functions:
+        for basis in _enough(functions[rows], "functions"):
+            yield replace(basis, tries=len(covariate.functions))
 
 
 def _along_outline(covariate: Covariate, rows: Mask) -> Array:

@@ -23,8 +23,9 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, heading_error_rad, turned_by
+from diagnosis.predictors.pose.motion_starts import start_covariates
 from diagnosis.predictors.pose.pose_noise import PoseNoise
-from diagnosis.predictors.pose.reversals import reversal_covariates
+from diagnosis.predictors.pose.reversals import body_rates, reversal_covariates
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
@@ -285,10 +286,12 @@ class Pose:
         trial = trial_of_rows(measurement)[first]
         moved_m = np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])
         lasts_s = self._t_s[last] - self._t_s[first]
+        rates = body_rates(measurement, self._ticks, self._steps_s, nominal)
         covariates = (
             Covariate("ds", moved_m, as_rate=("v_m_s", lasts_s)),
             Covariate("dtheta", predicted[:, 2], as_rate=("w_rad_s", lasts_s)),
-            *reversal_covariates(measurement, self._ticks, self._steps_s, (first, last), nominal),
+            *reversal_covariates(rates, self._trials, (first, last)),
+            *start_covariates(rates, self._steps_s, self._trials, (first, last)),
             Covariate("theta_rad", log[middle, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),

@@ -8,6 +8,7 @@ follow from the counts alone.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -28,34 +29,52 @@ SIGMAS = 3.0
 """Noise of logged speeds, in standard deviations, that switches no relay."""
 
 
-def reversal_covariates(
-    measurement: Measurement,
-    counts: Array,
-    steps_s: Array,
-    windows: tuple[NDArray[np.int64], NDArray[np.int64]],
-    nominal: RobotConfig,
-) -> tuple[Covariate, ...]:
-    """Return the switchings of turning and of driving in each window.
+@dataclass(frozen=True)
+class BodyRate:
+    """How fast the body drives or turns by the counts."""
+
+    values: Array
+    """(n,), mean rate since the row before [m/s or rad/s]; that of the first row of a trial is of no interest."""
+    floor: float
+    """Rate that rounded counts or the noise of logged speeds reach."""
+
+
+def body_rates(
+    measurement: Measurement, counts: Array, steps_s: Array, nominal: RobotConfig
+) -> tuple[BodyRate, BodyRate]:
+    """Return the rates of turning and of driving.
 
     Args:
         measurement: The log.
         counts: (n, 2), counts of the right and the left wheel.
         steps_s: (n,), time since the row before.
-        windows: First and last row (m,) of each window. A switching in the first row is before the window.
         nominal: The nominal robot.
     """
     m_per_count = pi * nominal.drive.wheel_diameter_m / nominal.encoder.counts_per_revolution
     right, left = m_per_count * np.diff(counts, axis=0, prepend=counts[:1]).T / steps_s
-    trials = [len(trial.t_s) for trial in measurement.trials]
     rounding_m_s = ROUNDING_COUNTS * m_per_count / float(np.median(steps_s))
     noise = measurement.nominal.noise if isinstance(measurement.nominal, NominalLog) else None
-    turn_rad_s, travel_m_s = (right - left) / nominal.drive.track_m, 0.5 * (right + left)
     # A rate that rounding or noise alone exceeds would switch with the error of the prediction.
     turn_floor = max(rounding_m_s / nominal.drive.track_m, SIGMAS * noise.w_rad_s if noise else 0.0)
     travel_floor = max(0.5 * rounding_m_s, SIGMAS * noise.v_m_s if noise else 0.0)
+    turn = BodyRate((right - left) / nominal.drive.track_m, turn_floor)
+    return turn, BodyRate(0.5 * (right + left), travel_floor)
+
+
+def reversal_covariates(
+    rates: tuple[BodyRate, BodyRate], trials: Sequence[int], windows: tuple[NDArray[np.int64], NDArray[np.int64]]
+) -> tuple[Covariate, ...]:
+    """Return the switchings of turning and of driving in each window.
+
+    Args:
+        rates: Rates of turning and of driving.
+        trials: Number of rows of each trial.
+        windows: First and last row (m,) of each window. A switching in the first row is before the window.
+    """
+    turn, travel = rates
     return (
-        _switchings("turn_reversal_rad_s", turn_rad_s, turn_floor, trials, windows),
-        _switchings("travel_reversal_m_s", travel_m_s, travel_floor, trials, windows),
+        _switchings("turn_reversal_rad_s", turn.values, turn.floor, trials, windows),
+        _switchings("travel_reversal_m_s", travel.values, travel.floor, trials, windows),
     )
 
 

@@ -52,6 +52,8 @@ NAMES = {
     "turn": "rate of turning",
     "turn_reversal": "reversal of turning",
     "travel_reversal": "reversal of driving",
+    "distance_since_start": "distance since the robot last started to drive",
+    "turn_since_start": "turn since the robot last started to turn",
     "wall_place": "place along the walls",
     "tof_front": "range ahead",
     "tof_left": "range to the left",

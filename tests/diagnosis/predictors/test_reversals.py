@@ -6,7 +6,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from diagnosis.predictors.pose.reversals import reversal_covariates, switchings
+from diagnosis.predictors.pose.reversals import body_rates, reversal_covariates, switchings
 
 ROW_S, ROWS = 0.05, 200
 
@@ -29,7 +29,8 @@ def reversals(nominal):
         measurement = Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), logs)
         first = np.concatenate([np.arange(k * rows, (k + 1) * rows - 10, 5) for k in range(trials)])
         steps_s = np.full(len(counts), ROW_S)
-        return reversal_covariates(measurement, counts, steps_s, (first, first + 10), nominal)
+        rates = body_rates(measurement, counts, steps_s, nominal)
+        return reversal_covariates(rates, [rows] * trials, (first, first + 10))
 
     return of
 

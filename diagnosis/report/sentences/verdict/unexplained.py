@@ -36,6 +36,7 @@ def unexplained_sentence(structure: Structure) -> str:
         "place": "an error that depends on the place",
         "outline": f"an error that depends on the {words}",
         "event": f"a shift at each {words}",
+        "functions": f"an error at a small {words}",
         "step": f"a step at one value of {words}",
         "kink": f"a straight line that begins at one value of {words}",
         GAIN: f"a gain that changes with {words}",
