@@ -81,9 +81,11 @@ def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotCo
 def stacked_effects(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotEffects:
     """Return the effects of `stacked` alone: each robot has those of all, without effect where it lacked one."""
     examples = {type(effect): effect for robot in robots for effect in robot.effects}
+    by_kind = [{type(effect): effect for effect in robot.effects} for robot in robots]
     joined = []
     for kind, example in examples.items():
-        members = [robot.effects.get(kind) or example.without_effect() for robot in robots]
+        without_effect = example.without_effect()
+        members = [effects.get(kind, without_effect) for effects in by_kind]
         joined.append(_joined(members, axes, times, f"robot.effects.{kind.name}"))
     return RobotEffects(tuple(joined))
 
