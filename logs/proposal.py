@@ -1,6 +1,5 @@
 """Proposal of a mapping for a log: columns from the names, units from the names or from the values."""
 
-import shlex
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -9,30 +8,19 @@ from types import MappingProxyType
 import numpy as np
 
 from logs.counts import are_per_row
-from logs.drive import COUNT_WORDS, COUNTED, PER_ROW
-from logs.heading_unit import guessed_heading_unit
+from logs.drive import COUNTED, PER_ROW
+from logs.guessed_units import FULL_DUTIES, USUAL_SUPPLY_V, Known, UnknownUnitError, duty_unit, full_duty, guessed
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
+from logs.missing_columns import missing
 from logs.plausible_units import OTHER_UNITS, beyond_scale, likely_unit
 from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
-from logs.times import usual_step
-from logs.units import PERCENT, HeaderName, factor_to, fits, taken_apart
+from logs.units import PERCENT, HeaderName, factor_to, taken_apart, unit_of, units_for
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError
+from symolo.core.errors import FaultList, InputError, nearest
 
-NO_TARGET_FROM = 8.19e3
-"""Smallest of the codes of range sensors for "no target", which are 8190 and 8191 mm."""
-MAX_INCIDENCE_RAD = 0.5 * np.pi + 0.1
-"""Largest angle of incidence, with a margin."""
-LARGEST_ROOM_M = 20.0
-FULL_DUTIES = (1.0, 100.0, 255.0, 1023.0, 4095.0)
-"""Values of a full duty cycle in logs: share, per cent, 8, 10 and 12 bit."""
 MIN_MILLIVOLTS = 1023.0
 """Largest value of a column from which on it may be in millivolts rather than a duty cycle of 10 bit."""
-USUAL_SUPPLY_V = 7.4
-SMALLEST_MM = 600.0
-"""Extent from which a length that is no metre is in millimetres rather than in centimetres."""
-DEFAULT_STEP_S = 0.05
 SAME = 1e-3
 """Relative difference up to which two factors are those of one unit."""
 GEAR_ADVICE = (
@@ -52,7 +40,9 @@ def propose_as(
     kind: LogKind,
     supply_V: float | None = None,
     left_open: Collection[str] = (),
+    *,
     chosen: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = MappingProxyType({}),
 ) -> Proposal:
     """Return a mapping for a log of a kind.
 
@@ -62,103 +52,98 @@ def propose_as(
         supply_V: Voltage of a duty cycle of 1, if it is known.
         left_open: Quantities whose unit the caller guesses if no name states it.
         chosen: Columns that the user chose, by quantity.
+        units: Units that the user stated, by quantity.
 
     Raises:
-        InputError: The log lacks columns of this kind.
+        InputError: The log lacks columns of this kind, or several units of a column are as likely; all are reported.
     """
     recognised = kind.matched(list(log.columns), chosen)
     if not kind.suffices(recognised):
         raise missing(log, kind, recognised)
     sources: dict[str, Source] = {}
-    warnings = []
+    warnings: list[str] = []
+    faults = FaultList()
     for name, column in recognised.items():
-        unit, ours = taken_apart(column).unit if column != name else "", kind.unit_of(name)
         if name not in chosen and kind.is_by_unit(name, column):
             warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
-        if unit == PERCENT or (DUTY & set(taken_apart(column).words) and not unit):
-            duties = [other for other in recognised.values() if DUTY & set(taken_apart(other).words)]
-            factor, reason = _of_percent(kind, supply_V) if unit else _of_duty(kind, log, duties, supply_V)
-            sources[name] = Source(column=column, unit=unit, factor=factor)
-            warnings.append(f"{column} ({name}): {reason}")
-            continue
-        if ours and not unit and column != name and name not in left_open:
-            with suppress(InputError):  # wrong cells are reported together, when the rows are read
-                if name == "theta_rad":
-                    unit, reason = _guessed_heading(kind, sources, log, log.numbers(column))
+        with faults.noted():
+            try:
+                if name in units:
+                    source, reason = _stated(kind, name, column, units[name], supply_V)
+                elif name in left_open and not taken_apart(column).unit:
+                    source, reason = Source(column=column), ""
                 else:
-                    unit, reason = _guessed(kind, name, log.numbers(column), log)
-                warnings += [f"{column} ({name}): the name has no unit; {reason}"] if reason else []
-        if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
-            warnings.append(f"{column} ({name}): taken for degrees; if a turn has 400, write unit: gon in {MAPPING}")
-        sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
-        sources[name] = Source(column=column, unit="" if unit == ours else unit, factor=sense)
+                    source, reason = _recognised(log, kind, name, column, Known(sources, supply_V))
+            except UnknownUnitError as error:
+                if kind.unit_option:
+                    raise
+                warnings.append(f"{column} ({name}): taken for no quantity; {error}")
+                continue
+            warnings += [f"{column} ({name}): {reason}"] if reason else []
+            sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
+            sources[name] = source.model_copy(update={"factor": sense * source.factor})
+    faults.check()
+    _mark_per_row(log, sources, warnings)
+    return Proposal(LogMapping.model_validate({"kind": kind.name, "columns": sources}), tuple(warnings))
+
+
+def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -> tuple[Source, str]:
+    """Return the source of a quantity with the unit that its name or its values show, and the reason for a guess.
+
+    Raises:
+        UnknownUnitError: Neither shows it.
+    """
+    header = taken_apart(column)
+    unit, ours, reason = header.unit if column != name else "", kind.unit_of(name), ""
+    if unit == PERCENT:
+        return Source(column=column, unit=unit, factor=known.supply_V or USUAL_SUPPLY_V), (
+            f"a duty cycle in percent, times {_supply_text(kind, known.supply_V)}"
+        )
+    if DUTY & set(header.words) and not unit:
+        factor, reason = _of_duty(log, kind, known.supply_V)
+        return Source(column=column, factor=factor), reason
+    if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
+        reason = f"taken for degrees; if a turn has 400, write unit: gon in {MAPPING}"
+    if ours and not unit and column != name:
+        try:
+            unit, why = guessed(log, kind, name, column, known)
+            reason = f"the name has no unit; {why}" if why else ""
+        except UnknownUnitError:
+            raise
+        except InputError:  # wrong cells are reported together, when the rows are read
+            pass
+    return Source(column=column, unit="" if unit == ours else unit), reason
+
+
+def _stated(kind: LogKind, name: str, column: str, unit: str, supply_V: float | None) -> tuple[Source, str]:
+    """Return the source of a quantity in the unit that the user stated, and a note on the voltage of a duty cycle.
+
+    Raises:
+        InputError: The quantity cannot be in this unit.
+    """
+    ours = kind.unit_of(name)
+    if ours == "V" and (full := full_duty(unit_of(unit) or unit)):
+        is_percent = unit_of(unit) == PERCENT
+        factor = (supply_V or USUAL_SUPPLY_V) / (1.0 if is_percent else full)
+        reason = f"a duty cycle of which {full:g} is full, times {_supply_text(kind, supply_V)}"
+        return Source(column=column, unit=PERCENT if is_percent else "", factor=factor), reason
+    where = f"{kind.unit_option} {name}"
+    if (unit_of(unit) or unit) not in units_for(ours):
+        duties = map(duty_unit, FULL_DUTIES) if ours == "V" else ()
+        names = [*dict.fromkeys((*units_for(ours), *duties))] if ours else []
+        allowed = ", ".join(names) or "none, because the quantity has no unit"
+        raise InputError(where, got=unit, allowed=allowed, nearest=nearest(unit, names))
+    return Source(column=column, unit="" if unit_of(unit) == ours else unit_of(unit)), ""
+
+
+def _mark_per_row(log: LogFile, sources: dict[str, Source], warnings: list[str]) -> None:
+    """Mark the counts that are those since the row before, with a sentence for each."""
     for name in [name for name in COUNTED if name in sources and _are_per_row(log, name, sources)]:
         column = sources[name].column
         sources[name] = sources[name].model_copy(update={"per_row": True})
         is_named = PER_ROW & set(taken_apart(column).words)
         reason = "by its name" if is_named else "because it rises and falls with the speed"
         warnings.append(f"{column} ({name}): taken for the ticks since the row before, {reason}")
-    return Proposal(LogMapping.model_validate({"kind": kind.name, "columns": sources}), tuple(warnings))
-
-
-def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> InputError:
-    """Return an error that names what is missing of each set of quantities that would do, the nearest one first.
-
-    A range is named only if it alone is missing, and then beside what else would do.
-    """
-    order = sorted(kind.needed, key=lambda needed: -len(needed.intersection(recognised)))
-    several = [needed.difference(recognised) for needed in order]
-    without_range = [lacking for lacking in several if not lacking & kind.ranges] or several
-    lone_range = [lacking for lacking in several if lacking <= kind.ranges][:1]
-    sets = [each for each in dict.fromkeys((*without_range, *lone_range)) if not any(other < each for other in several)]
-    order_of_name = kind.names.index
-    names = ", or else as ".join(" ".join(sorted(each, key=order_of_name)) for each in sets)
-    unused = [name for name in log.columns if name not in recognised.values()]
-    cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
-    if kind.column_option and unused:
-        first = _example(log, kind, sets, unused)
-        example = f", such as {shlex.join([kind.column_option, first])}" if first else ""
-        form = "" if first else f" with {kind.column_option} QUANTITY=COLUMN"
-        cure = f"name the column of each{form}{example}; or {cure}"
-    others = f"not recognised: {', '.join(unused)}; " if unused else ""
-    return InputError(
-        f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
-        where=log.header_where,
-        cure=f"{others}{cure}",
-    )
-
-
-def _example(log: LogFile, kind: LogKind, sets: Sequence[Collection[str]], unused: Sequence[str]) -> str:
-    """Return a quantity that is missing and a column that may hold it; empty if no column may."""
-    for lacking in sets:
-        for name in sorted(lacking, key=kind.names.index):
-            possible = [column for column in unused if _may_hold(log, column, name, kind.unit_of(name))]
-            counts = [column for column in possible if COUNT_WORDS & {*taken_apart(column).words}]
-            stated = [column for column in possible if taken_apart(column).unit]
-            if columns := [*(counts if name in COUNTED else stated), *possible]:
-                return f"{name}={columns[0]}"
-    return ""
-
-
-def _may_hold(log: LogFile, column: str, name: str, unit: str) -> bool:
-    """Return whether a column has numbers, increasing ones of a time, and no unit that the quantity cannot have."""
-    if not fits(taken_apart(column), unit):
-        return False
-    try:
-        numbers = log.numbers(column)
-    except InputError:
-        return False
-    known = numbers[np.isfinite(numbers)]
-    if name == "t_s":
-        return len(known) == len(numbers) and len(known) > 1 and bool(np.all(np.diff(known) > 0.0))
-    return len(known) > 0
-
-
-def time_step_s(log: LogFile, column: str) -> float:
-    """Return the usual time [s] between two rows, by a column whose unit may be a guess."""
-    times = log.times(column)
-    unit = taken_apart(column).unit or _guessed_time(times, log)[0]
-    return factor_to("s", unit, column) * _step(times)
 
 
 def unit_faults(mapping: LogMapping, kind: LogKind, values: Mapping[str, Array], log: LogFile) -> Sequence[InputError]:
@@ -230,8 +215,9 @@ def _is_clockwise(header: HeaderName) -> bool:
     return bool(senses) and senses <= CLOCKWISE
 
 
-def _of_duty(kind: LogKind, log: LogFile, columns: Sequence[str], supply_V: float | None) -> tuple[float, str]:
+def _of_duty(log: LogFile, kind: LogKind, supply_V: float | None) -> tuple[float, str]:
     """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
+    columns = [column for column in kind.matched(list(log.columns)).values() if DUTY & {*taken_apart(column).words}]
     largest = 0.0
     for column in columns:
         with suppress(InputError):
@@ -243,81 +229,7 @@ def _of_duty(kind: LogKind, log: LogFile, columns: Sequence[str], supply_V: floa
     return (supply_V or USUAL_SUPPLY_V) / full, text
 
 
-def _of_percent(kind: LogKind, supply_V: float | None) -> tuple[float, str]:
-    """Return the voltage for 100 %, and the reason."""
-    return supply_V or USUAL_SUPPLY_V, f"a duty cycle in percent, times {_supply_text(kind, supply_V)}"
-
-
 def _supply_text(kind: LogKind, supply_V: float | None) -> str:
     if supply_V:
         return f"{supply_V:g} V"
     return f"a supply of {USUAL_SUPPLY_V:g} V, which is not known: give it {kind.supply_option}"
-
-
-def _step(times: Array) -> float:
-    steps = np.diff(times[np.isfinite(times)])
-    steps = steps[steps > 0.0]
-    return usual_step(steps) if len(steps) else 0.0
-
-
-def _guessed(kind: LogKind, name: str, values: Array, log: LogFile) -> tuple[str, str]:
-    """Return the unit in which the values seem to be, and a sentence that says why; no sentence if it is certain."""
-    known, ours = values[np.isfinite(values)], kind.unit_of(name)
-    if not len(known):
-        return "", ""
-    largest = float(np.abs(known).max())
-    if ours == "s":
-        return _guessed_time(known, log)
-    if name in kind.ranges:
-        below = known[known < NO_TARGET_FROM - 1.0]
-        largest = float(below.max()) if len(below) else largest
-    if ours == "m":
-        return _guessed_length(known, largest, is_range=name in kind.ranges)
-    if ours == "rad":
-        return _guessed_angle(largest)
-    if ours == "V" and 0.0 < largest <= 1.0:
-        return "", f"taken for V, since the values are up to {largest:.4g}; a duty cycle needs a factor"
-    if ours in {"V", "A"} and largest > 60.0:
-        return f"m{ours}", f"taken for m{ours}, since the values are up to {largest:.4g}; a duty cycle needs a factor"
-    if ours == "rad/s":
-        unit = "rpm" if largest > 60.0 else ""
-        return unit, f"taken for {unit or ours}, since the values are up to {largest:.4g}"
-    return "", ""
-
-
-def _guessed_length(known: Array, largest: float, *, is_range: bool) -> tuple[str, str]:
-    """Return the unit of places in a room or of ranges; range sensors of small robots report millimetres."""
-    extent = largest if is_range else float(np.ptp(known))
-    if max(extent, largest) <= LARGEST_ROOM_M:
-        return "", f"taken for metres, since the values are up to {largest:.3g}"
-    unit, other = ("mm", "cm") if is_range or extent >= SMALLEST_MM else ("cm", "mm")
-    reason = f"taken for {unit}, since the values are up to {largest:.4g}"
-    return unit, f"{reason}; if they are {other}, correct it in {MAPPING}"
-
-
-def _guessed_time(known: Array, log: LogFile) -> tuple[str, str]:
-    step = _step(known)
-    is_whole = bool(np.all(known == np.rint(known)))
-    if not is_whole or (step < 100.0 and log.rows < 100):
-        return "", ""
-    unit = "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
-    return unit, f"taken for {unit}, since rows are {step:.6g} apart"
-
-
-def _guessed_heading(kind: LogKind, sources: Mapping[str, Source], log: LogFile, heading: Array) -> tuple[str, str]:
-    """Return the unit of a heading (N,) by the motion of the columns that are mapped already, and a sentence."""
-    ours = {
-        name: factor_to(kind.unit_of(name), sources[name].unit, name) * log.numbers(sources[name].column)
-        for name in ("t_s", "x_m", "y_m")
-        if name in sources
-    }
-    place_m = np.column_stack((ours["x_m"], ours["y_m"])) if {"x_m", "y_m"} <= ours.keys() else None
-    t_s = ours.get("t_s", DEFAULT_STEP_S * np.arange(log.rows))
-    unit, reason = guessed_heading_unit(t_s, place_m, heading)
-    return unit, f"taken for {unit or 'radians'}, {reason}" if reason else ""
-
-
-def _guessed_angle(largest: float) -> tuple[str, str]:
-    """Return the unit of an angle of incidence, which is within a right angle."""
-    unit = "degrees" if largest > MAX_INCIDENCE_RAD else ""
-    return unit, f"taken for {unit or 'radians'}, since the values are up to {largest:.4g}"

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
+import numpy as np
+
 from logs.plausible_units import PlausibleRange
 from logs.units import HeaderName, taken_apart, units_for
 
@@ -94,6 +96,10 @@ class LogKind:
     """Option of the command that reads such logs, with which a user names a mapping file."""
     column_option: str = ""
     """Option with which a user names the column of one quantity; empty if the command has none."""
+    unit_option: str = ""
+    """Option with which a user states the unit of one quantity; empty if the command has none."""
+    step_s: tuple[float, float] = (0.0, np.inf)
+    """Shortest and longest usual time between two rows."""
     supply_option: str = "with --set supply_voltage_V=NUMBER"
     """Words for how a user states the voltage of a full duty cycle."""
     page: str = "docs/case_from_log.md"

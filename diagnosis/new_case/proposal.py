@@ -5,52 +5,77 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, of_wheels
+from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, of_wheels
 from logs.drive import COUNTED
+from logs.guessed_units import Reading, asked, time_step_s, time_units
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
-from logs.proposal import Proposal, missing, propose_as, time_step_s
+from logs.missing_columns import missing
+from logs.proposal import Proposal, propose_as
 from logs.quantity import LEFT, RIGHT, SIDES
-from logs.units import fits, taken_apart, units_for
-from symolo.core.errors import InputError, nearest
+from logs.units import factor_to, fits, taken_apart, unit_of, units_for
+from symolo.core.errors import FaultList, InputError, nearest
 
-STEADY_FROM_S = 0.25
-"""Time between two rows from which a log of a motor has one steady state in each row."""
-
+_MOTORS = (CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY)
 USUAL_NAMES = "time_ms, pwm, voltage [V], current_mA, rpm, encL, x [mm], heading_deg, range_cm"
 """Names of columns in logs of others, one for each quantity that most logs have."""
 
 
-def chosen_columns(settings: Sequence[str], log: LogFile, kind: CaseKind | None = None) -> dict[str, str]:
+def chosen_columns(
+    settings: Sequence[str],
+    log: LogFile,
+    kind: CaseKind | None = None,
+    units: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, str]:
     """Return the columns that a user chose, by quantity.
 
     Args:
         settings: Texts such as `t_s=loop_ms`.
         log: The log.
         kind: Kind of the case; None if it is recognised from the columns.
+        units: Units that the user stated, by quantity, in place of those in the names.
 
     Raises:
         InputError: A text has another form, or names a quantity or a column that does not exist, or one of them twice.
     """
+    form = f"QUANTITY=COLUMN, such as t_s={next(iter(log.columns))}"
+    chosen = _by_quantity(settings, COLUMN_OPTION, form, kind)
+    for name, column in chosen.items():
+        where = f"{COLUMN_OPTION} {name}"
+        check_column(column, log, where)
+        other = next(other for other, one in chosen.items() if one == column)
+        if other != name:
+            raise InputError(f"the column of {other}, too", where=where, got=column)
+        if name not in units:
+            _check_unit(name, column)
+    return chosen
+
+
+def stated_units(settings: Sequence[str], kind: CaseKind | None = None) -> dict[str, str]:
+    """Return the units that a user stated in texts such as `t_s=ms`, by quantity.
+
+    Raises:
+        InputError: A text has another form, or names a quantity that does not exist, or one of them twice.
+    """
+    return _by_quantity(settings, UNIT_OPTION, "QUANTITY=UNIT, such as u_left_V=mV", kind)
+
+
+def _by_quantity(settings: Sequence[str], option: str, form: str, kind: CaseKind | None) -> dict[str, str]:
+    """Return the texts behind the equals signs of settings of an option, by the quantity before it."""
     names = sorted({name for one in KINDS for name in KINDS[one].names if kind in {None, one}})
     of_kind = f"a {kind}" if kind else "a log"
     chosen: dict[str, str] = {}
     for text in settings:
-        name, equals, column = (part.strip() for part in text.partition("="))
-        where = f"{COLUMN_OPTION} {name}"
+        name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
-            allowed = f"QUANTITY=COLUMN, such as t_s={next(iter(log.columns))}"
-            raise InputError(COLUMN_OPTION, got=text, allowed=allowed)
+            raise InputError(option, got=text, allowed=form)
         if name not in names:
-            what = f"{COLUMN_OPTION}: no quantity of {of_kind}"
+            what = f"{option}: no quantity of {of_kind}"
             raise InputError(what, got=name, allowed=", ".join(names), nearest=nearest(name, names))
         if name in chosen:
-            raise InputError("given twice", where=where, cure="name one column for each quantity")
-        check_column(column, log, where)
-        if other := next((other for other, one in chosen.items() if one == column), ""):
-            raise InputError(f"the column of {other}, too", where=where, got=column)
-        _check_unit(name, column)
-        chosen[name] = column
+            cure = f"name one {'column' if option == COLUMN_OPTION else 'unit'} for each quantity"
+            raise InputError("given twice", where=f"{option} {name}", cure=cure)
+        chosen[name] = value
     return chosen
 
 
@@ -81,6 +106,7 @@ def propose(
     kind: CaseKind | None = None,
     supply_V: float | None = None,
     chosen: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = MappingProxyType({}),
 ) -> Proposal:
     """Return a mapping for the log of a case.
 
@@ -89,13 +115,25 @@ def propose(
         kind: Kind of the case; recognised from the columns by default.
         supply_V: Voltage of a duty cycle of 1, if it is known.
         chosen: Columns that the user chose, by quantity.
+        units: Units that the user stated, by quantity.
 
     Raises:
-        InputError: The columns of no kind, or not those of this one, are in the log.
+        InputError: The columns of no kind, or not those of this one, are in the log, or several units are as likely.
     """
     if kind in {None, CaseKind.DRIVE_LOG}:
         _check_wheels(log, chosen)
-    proposal = propose_as(log, KINDS[kind or _kind(log, chosen)], supply_V, chosen=chosen)
+    faults = FaultList()
+    of_kind = kind or _kind(log, chosen)
+    columns = KINDS[of_kind].matched(list(log.columns), chosen)
+    for name in units.keys() - columns.keys():
+        cure = f"name it with {COLUMN_OPTION} {name}=COLUMN, or leave the unit out"
+        raise InputError(f"no column was recognised as {name}", where=f"{UNIT_OPTION} {name}", cure=cure)
+    if kind is None and of_kind in _MOTORS and "t_s" in columns:
+        with faults.noted():
+            of_kind = _of_motor(log, columns["t_s"], units.get("t_s", ""))
+    with faults.noted():
+        proposal = propose_as(log, KINDS[of_kind], supply_V, chosen=chosen, units=units)
+    faults.check()
     front = proposal.mapping.columns.get("tof_front_m", Source()).column
     if front in {"", "tof_front_m", chosen.get("tof_front_m")} or SIDES & set(taken_apart(front).words):
         return proposal
@@ -154,15 +192,31 @@ def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
             " (docs/case_from_log.md#correct-the-mapping) and name it with --mapping",
         )
     best = max(fitting, key=lambda kind: len(columns_of_kind[kind]))
-    if best in {CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY}:
-        return (
-            CaseKind.MOTOR_STEP
-            if _is_fast(log, columns_of_kind[CaseKind.MOTOR_STEP].get("t_s", ""))
-            else CaseKind.MOTOR_STEADY
-        )
-    return best
+    return CaseKind.MOTOR_STEADY if best in _MOTORS else best
 
 
-def _is_fast(log: LogFile, column: str) -> bool:
-    """Return whether the rows of a motor's log are samples against time, rather than steady states."""
-    return bool(column) and time_step_s(log, column) < STEADY_FROM_S
+def _of_motor(log: LogFile, column: str, unit: str) -> CaseKind:
+    """Return whether the rows of a motor's log are samples against time or steady states, by the time between them.
+
+    Args:
+        log: The log.
+        column: Column of the times.
+        unit: Unit that the user stated; empty for that of the name or the values.
+
+    Raises:
+        InputError: The times may be in several units, and so be both.
+    """
+    unit = (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" else "")
+    if unit and unit not in units_for("s"):
+        return CaseKind.MOTOR_STEADY  # the unit is refused with those of the others
+    units = [unit] if unit else time_units(log.times(column), (STEP_S[_MOTORS[0]][0], STEP_S[_MOTORS[1]][1]))
+    steps_s = {unit: time_step_s(log, column, unit) for unit in units}
+    if len(units) > 1:
+        meanings = {True: "samples of a step log (motor_step)", False: "each a steady state (motor_steady)"}
+        readings = [
+            Reading(unit, f"rows are {step_s:.4g} s apart, {meanings[step_s < STEADY_FROM_S]}")
+            for unit, step_s in steps_s.items()
+        ]
+        shown = f"rows that are {steps_s[units[0]] / factor_to('s', units[0], column):.6g} apart"
+        raise asked(log, KINDS[CaseKind.MOTOR_STEADY], "t_s", column, shown=shown, readings=readings)
+    return CaseKind.MOTOR_STEP if steps_s[units[0]] < STEADY_FROM_S else CaseKind.MOTOR_STEADY

@@ -7,6 +7,7 @@ from diagnosis.measured.case_files.case_format import COLUMNS, RANGE_SIDES, RANG
 from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
 from logs.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
+from logs.possible_motion import SHORTEST_STEP_S
 from logs.quantity import (
     EAST,
     FILLERS,
@@ -29,6 +30,10 @@ from logs.units import HeaderName, taken_apart
 
 COLUMN_OPTION = "--column"
 """Option of `symolo case init` for the column of one quantity."""
+UNIT_OPTION = "--unit"
+"""Option of `symolo case init` for the unit of one quantity."""
+STEADY_FROM_S = 0.25
+"""Time between two rows from which a log of a motor has one steady state in each row."""
 _CURRENT = words("i current cur amps")
 _TIMES = Quantity("t_s", (TIME,))
 _MOTOR = (
@@ -88,6 +93,14 @@ _BY_UNIT: Mapping[CaseKind, frozenset[str]] = {
 }
 """Quantities of a motor, each of which has a unit of its own."""
 
+STEP_S: Mapping[CaseKind, tuple[float, float]] = {
+    CaseKind.DRIVE_LOG: (SHORTEST_STEP_S, 0.1),
+    CaseKind.TOF_BENCH: (1e-3, 60.0),
+    CaseKind.MOTOR_STEP: (5e-4, STEADY_FROM_S),
+    CaseKind.MOTOR_STEADY: (STEADY_FROM_S, 60.0),
+}
+"""Shortest and longest usual time between two rows, by which the unit of times without one is guessed."""
+
 _HELD: Mapping[CaseKind, frozenset[str]] = {
     CaseKind.DRIVE_LOG: frozenset(WHEEL_VOLTAGES),
     CaseKind.MOTOR_STEP: frozenset({"u_cmd_V"}),
@@ -105,6 +118,8 @@ KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
             by_unit=_BY_UNIT.get(kind, frozenset()),
             held=_HELD.get(kind, frozenset()),
             column_option=COLUMN_OPTION,
+            unit_option=UNIT_OPTION,
+            step_s=STEP_S[kind],
             lone_range="tof_front_m" if kind is CaseKind.DRIVE_LOG else "",
         )
         for kind, needed in _NEEDED.items()

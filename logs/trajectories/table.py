@@ -12,7 +12,8 @@ from logs.drive import COUNTED, DRIVE_TABLE
 from logs.heading_unit import guessed_heading_unit
 from logs.log_file import SEPARATORS, LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
-from logs.proposal import Proposal, missing, propose_as, unit_faults
+from logs.missing_columns import missing
+from logs.proposal import Proposal, propose_as, unit_faults
 from logs.recognition import first_row, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader

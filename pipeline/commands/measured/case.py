@@ -56,6 +56,15 @@ def init(
             "repeated. The others are recognised.",
         ),
     ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--unit",
+            metavar="QUANTITY=UNIT",
+            help="Unit of a quantity in the log, such as t_s=ms or u_left_V=duty_255 for a duty cycle of which 255 is "
+            "full; may be repeated. By default that of the name of the column, or the one that the values show.",
+        ),
+    ] = None,
     mapping: Annotated[
         Path | None,
         typer.Option(
@@ -90,12 +99,14 @@ def init(
 
     Example: symolo case init run.csv --column t_s=loop_ms --out my_case
 
+    Example: symolo case init run.csv --unit u_left_V=duty_255 --unit u_right_V=duty_255 --out my_case
+
     Example: symolo case init run.csv --mapping my_case/mapping.yaml --out my_case_2
     """
     from diagnosis.measured.measurement import CaseKind
     from diagnosis.new_case.known_numbers import parsed
     from diagnosis.new_case.new_case import new_case
-    from diagnosis.new_case.proposal import chosen_columns, propose
+    from diagnosis.new_case.proposal import chosen_columns, propose, stated_units
     from diagnosis.new_case.quantities import KINDS
     from diagnosis.new_case.room_corner import from_corner
     from logs.log_file import read_log
@@ -109,12 +120,16 @@ def init(
         raise InputError("--kind", got=kind, allowed=", ".join(names), nearest=nearest(kind, names))
     known = parsed(settings or ())
     _check_origin(log)
-    if column and mapping is not None:
-        what = "--column: a mapping file names every column that is to be read"
-        raise InputError(what, cure="leave one of the two out, or edit the mapping")
+    for option, values, what in (
+        ("--column", column, "names every column that is to be read"),
+        ("--unit", unit, "names the unit of every column"),
+    ):
+        if values and mapping is not None:
+            raise InputError(f"{option}: a mapping file {what}", cure="leave one of the two out, or edit the mapping")
     table = read_log(log)
     of_kind = None if kind is None else CaseKind(kind)
-    columns = chosen_columns(column or (), table, of_kind)
+    units = stated_units(unit or (), of_kind)
+    columns = chosen_columns(column or (), table, of_kind, units)
     checked = None
     if mapping is not None:
         checked = read_mapping(mapping, list(KINDS.values()))
@@ -124,7 +139,7 @@ def init(
         """Return the case and the guesses of its mapping, which depend on the voltage of the supply."""
         chosen, warnings = checked, ()
         if chosen is None:
-            proposal = propose(table, of_kind, known.get("supply_voltage_V"), columns)
+            proposal = propose(table, of_kind, known.get("supply_voltage_V"), columns, units)
             chosen, warnings = proposal.mapping, proposal.warnings
         chosen = from_corner(chosen, known)
         return new_case(table, chosen, out.absolute().name).knowing(known), warnings

@@ -1,0 +1,127 @@
+"""Units that neither the name of a column nor its values show: the command asks for them and guesses none."""
+
+import numpy as np
+import pytest
+import yaml
+
+DUTY = np.arange(-254, 254, 4)
+"""Commands of a controller with 8 bits, as a sweep of a motor in both directions logs them."""
+
+
+def sweep(step, **renamed):
+    """Return a log with one steady state in each row: time, command and speed."""
+    columns = {
+        "time": 17800 + step * np.arange(len(DUTY)),
+        "motorCommand": DUTY,
+        "leftSpeedRpm": np.round(2.5 * DUTY, 2),
+    }
+    return {renamed.get(name, name): column for name, column in columns.items()}
+
+
+def columns_of(tmp_path):
+    return yaml.safe_load((tmp_path / "run" / "mapping.yaml").read_text())["columns"]
+
+
+CHOSEN = ("--column", "omega_rad_s=leftSpeedRpm", "--set", "supply_voltage_V=8")
+
+
+def test_a_command_up_to_254_is_asked_for_and_never_taken_for_millivolts(init):
+    code, _, err, _ = init(sweep(1100), *CHOSEN, "--unit", "t_s=ms")
+    assert code == 2
+    assert "run.csv: row 1: column motorCommand: its unit is not known, and the values up to 254 do not show it" in err
+    assert "duty_255: a duty cycle of which 255 is full, so up to 7.969 V of the supply's 8 V" in err
+    assert "mV: up to 0.254 V" in err
+    assert "state it, such as --unit u_cmd_V=duty_255" in err
+
+
+def test_a_stated_duty_cycle_is_the_share_of_the_supply(init, tmp_path):
+    code, out, err, _ = init(sweep(1100), *CHOSEN, "--unit", "t_s=ms", "--unit", "u_cmd_V=duty_255")
+    assert (code, err) == (0, "")
+    assert out.startswith("run: motor_steady")
+    volts = np.genfromtxt(tmp_path / "run" / "data.csv", delimiter=",", names=True)["u_cmd_V"]
+    np.testing.assert_allclose(volts, DUTY / 255 * 8, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("unit", "kind", "between"), [("ms", "motor_steady", "1.1 s"), ("us", "motor_step", "0.0011 s")]
+)
+def test_times_that_may_be_steady_states_or_samples_are_asked_for(unit, kind, between, init):
+    code, _, err, _ = init(sweep(1100), *CHOSEN, "--unit", "u_cmd_V=duty_255")
+    assert code == 2
+    assert "column time: its unit is not known, and rows that are 1100 apart do not show it" in err
+    assert f"{unit}: rows are {between} apart" in err
+    code, out, err, _ = init(sweep(1100), *CHOSEN, "--unit", "u_cmd_V=duty_255", "--unit", f"t_s={unit}")
+    assert (code, err) == (0, "")
+    assert out.startswith(f"run: {kind}")
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("motor_steady", "ms"), ("motor_step", "us")])
+def test_a_stated_kind_shows_the_unit_of_the_times(kind, unit, init, tmp_path):
+    code, out, err, _ = init(sweep(1100), *CHOSEN, "--unit", "u_cmd_V=duty_255", "--kind", kind)
+    assert (code, err) == (0, "")
+    assert columns_of(tmp_path)["t_s"] == {"column": "time", "unit": unit}
+    assert f"time (t_s): the name has no unit; taken for {unit}" in out
+
+
+def test_all_units_that_are_not_known_are_asked_for_at_once(init):
+    code, _, err, _ = init(sweep(1100), *CHOSEN)
+    assert code == 2
+    assert "2 faults" in err
+    assert "column motorCommand" in err
+    assert "column time" in err
+
+
+@pytest.mark.parametrize("name", ["u", "motor", "voltage"])
+@pytest.mark.parametrize("largest", [0.9, 250.0])
+def test_a_voltage_that_no_small_robot_has_is_asked_for(name, largest, init):
+    u = largest / 254 * DUTY
+    code, _, err, _ = init({"time [s]": np.arange(len(u)), name: u, "speed [rpm]": DUTY})
+    assert code == 2
+    assert f"column {name}: its unit is not known, and the values up to {largest:g} do not show it" in err
+
+
+@pytest.mark.parametrize(("name", "largest", "unit"), [("u", 7.4, ""), ("voltage", 7400.0, "mV"), ("motor", 12.0, "")])
+def test_a_usual_voltage_is_not_asked_for(name, largest, unit, init, tmp_path):
+    u = np.round(largest / 254 * DUTY, 3)
+    code, _, err, _ = init({"time [s]": np.arange(len(u)), name: u, "speed [rpm]": DUTY})
+    assert (code, err) == (0, "")
+    assert columns_of(tmp_path)["u_cmd_V"].get("unit", "") == unit
+
+
+def test_a_current_that_may_be_in_milliamperes_is_asked_for(init):
+    log = {"time [s]": np.arange(len(DUTY)), "u [V]": DUTY / 50, "i": np.abs(DUTY) / 5}
+    code, _, err, _ = init(log)
+    assert code == 2
+    assert "column i: its unit is not known, and the values up to 50.8 do not show it" in err
+    assert "A: up to 50.8 A" in err
+    assert "mA: up to 0.0508 A" in err
+
+
+@pytest.mark.parametrize(
+    ("unit", "message"),
+    [
+        ("u_cmd_V", "--unit: got 'u_cmd_V', allowed: QUANTITY=UNIT, such as u_left_V=mV"),
+        ("u_cmd_V=duty_0", "--unit u_cmd_V: got 'duty_0'"),
+        ("u_cmd_V=rpm", "--unit u_cmd_V: got 'rpm', allowed: V, mV, percent, duty_1, duty_255"),
+        ("voltage=mV", "--unit: no quantity of a log: got 'voltage'"),
+        ("x_m=mm", "--unit x_m: no column was recognised as x_m"),
+    ],
+)
+def test_a_stated_unit_that_does_not_fit_is_refused(unit, message, init):
+    code, _, err, _ = init(sweep(1100), *CHOSEN, "--unit", "t_s=ms", "--unit", unit)
+    assert code == 2
+    assert message in err
+
+
+def test_a_stated_unit_goes_before_that_of_the_name(init, columns, tmp_path):
+    logged = {"x_m" if name == "x_cm" else name: column for name, column in columns.items()}
+    code, _, err, _ = init(logged, "--unit", "x_m=cm")
+    assert (code, err) == (0, "")
+    assert columns_of(tmp_path)["x_m"] == {"column": "x_m", "unit": "cm"}
+
+
+def test_a_unit_is_stated_in_the_mapping_file_if_there_is_one(init, columns, tmp_path):
+    (tmp_path / "mapping.yaml").write_text("kind: drive_log\ncolumns: {t_s: {column: time_ms}}\n")
+    code, _, err, _ = init(columns, "--mapping", "mapping.yaml", "--unit", "t_s=ms")
+    assert code == 2
+    assert "--unit: a mapping file names the unit of every column" in err
