@@ -5,12 +5,20 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from logs.drive import COUNT_WORDS, COUNTED
+from logs.drive import COUNTED
 from logs.log_file import LogFile
-from logs.mapping import MAPPING
-from logs.quantity import LogKind
+from logs.mapping import MAPPING, VOLTAGES
+from logs.quantity import SET, SIDES, LogKind, words
 from logs.units import fits, taken_apart
 from symolo.core.errors import InputError
+
+MIN_VALUES = 5
+"""Smallest number of different values of a quantity that changes; a mode or a flag has fewer."""
+_OTHERS = words(
+    "z qx qy qz qw quat quaternion roll pitch mode state status flag error err id seq index row intensity temperature "
+    "temp ultra gyro acc accel mag sec secs nsec nsecs nanosec seconds"
+)
+"""Words of what is no quantity of a case."""
 
 
 def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> InputError:
@@ -30,8 +38,8 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     if kind.column_option and unused:
         first = _example(log, kind, sets, unused)
         example = f", such as {shlex.join([kind.column_option, first])}" if first else ""
-        form = "" if first else f" with {kind.column_option} QUANTITY=COLUMN"
-        cure = f"name the column of each{form}{example}; or {cure}"
+        none = f"none of these seems to be one; if one is, name it with {kind.column_option} QUANTITY=COLUMN"
+        cure = f"{f'name the column of each{example}' if first else none}; or {cure}"
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
@@ -44,17 +52,29 @@ def _example(log: LogFile, kind: LogKind, sets: Sequence[Collection[str]], unuse
     """Return a quantity that is missing and a column that may hold it; empty if no column may."""
     for lacking in sets:
         for name in sorted(lacking, key=kind.names.index):
-            possible = [column for column in unused if _may_hold(log, column, name, kind.unit_of(name))]
-            counts = [column for column in possible if COUNT_WORDS & {*taken_apart(column).words}]
-            stated = [column for column in possible if taken_apart(column).unit]
-            if columns := [*(counts if name in COUNTED else stated), *possible]:
+            possible = [column for column in unused if _may_hold(log, column, name, kind)]
+            named = [column for column in possible if _is_named(column, name, kind)]
+            if columns := [*named, *possible]:
                 return f"{name}={columns[0]}"
     return ""
 
 
-def _may_hold(log: LogFile, column: str, name: str, unit: str) -> bool:
-    """Return whether a column has numbers, increasing ones of a time, and no unit that the quantity cannot have."""
-    if not fits(taken_apart(column), unit):
+def _is_named(column: str, name: str, kind: LogKind) -> bool:
+    """Return whether the name of a column has a word of a quantity besides its side, or a unit."""
+    header = taken_apart(column)
+    last = {word for each in kind.quantities if each.name == name for word in each.groups[-1]}
+    return bool(last & {*header.words}) or (bool(header.unit) and name not in COUNTED)
+
+
+def _may_hold(log: LogFile, column: str, name: str, kind: LogKind) -> bool:
+    """Return whether a column has a name, a unit and numbers that a quantity may have."""
+    header = taken_apart(column)
+    if not fits(header, kind.unit_of(name)) or _OTHERS & {*header.words}:
+        return False
+    here = {word for each in kind.quantities if each.name == name for group in each.groups for word in group}
+    here |= SIDES | (SET if name in VOLTAGES else frozenset())
+    others = {word for each in kind.quantities for group in each.groups for word in group} - here
+    if others & {*header.words}:
         return False
     try:
         numbers = log.numbers(column)
@@ -63,4 +83,7 @@ def _may_hold(log: LogFile, column: str, name: str, unit: str) -> bool:
     known = numbers[np.isfinite(numbers)]
     if name == "t_s":
         return len(known) == len(numbers) and len(known) > 1 and bool(np.all(np.diff(known) > 0.0))
-    return len(known) > 0
+    if name in COUNTED and np.any(known != np.rint(known)):
+        return False
+    is_held = name in VOLTAGES or name == "distance_m"
+    return len(np.unique(known)) >= (1 if is_held else MIN_VALUES)

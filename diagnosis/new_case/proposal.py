@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
@@ -179,7 +180,8 @@ def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
     fitting = [kind for kind in KINDS if KINDS[kind].suffices(columns_of_kind[kind])]
     closest = max(KINDS, key=lambda kind: len(columns_of_kind[kind]))
     if not fitting and len(columns_of_kind[closest]) > 1:
-        raise missing(log, KINDS[closest], columns_of_kind[closest])
+        of_motor = replace(KINDS[CaseKind.MOTOR_STEADY], name=" or ".join(_MOTORS))
+        raise missing(log, of_motor if closest in _MOTORS else KINDS[closest], columns_of_kind[closest])
     if not fitting:
         line = f'`t_s: {{column: "{next(iter(log.columns))}"}}`'
         raise InputError(

@@ -187,7 +187,36 @@ def test_without_a_column_that_can_be_the_missing_quantity_the_advice_names_none
     del logged["time_ms"]
     code, _, err, _ = init(logged)
     assert code == 2
-    assert "name the column of each with --column QUANTITY=COLUMN; or rename them" in err
+    assert "none of these seems to be one; if one is, name it with --column QUANTITY=COLUMN; or rename them" in err
+
+
+@pytest.mark.parametrize("name", ["leftMode", "z", "qw", "leftSpeed", "intensity", "leftCommand", "pitch_deg", "secs"])
+def test_a_column_of_something_else_is_no_example(name, init, columns):
+    """A mode of two values is no place, a height no heading, and a speed no count."""
+    values = np.arange(len(columns["x_cm"])) % 2 if name == "leftMode" else np.arange(len(columns["x_cm"]))
+    values = values % 97 if name != "secs" else values // 20
+    logged = {"time_ms": columns["time_ms"], "enc_l": columns["enc_l"], "enc_r": columns["enc_r"], name: values}
+    code, _, err, _ = init(logged)
+    assert code == 2
+    assert "no column was recognised as x_m y_m theta_rad, or else as u_left_V u_right_V" in err
+    if name != "leftCommand":
+        assert "none of these seems to be one" in err
+    else:
+        assert "such as --column u_left_V=leftCommand;" in err
+
+
+def test_numbers_that_are_not_whole_are_no_example_of_counts(init, columns):
+    logged = renamed(columns, enc_l="foo", enc_r="bar")
+    _, _, err, _ = init({"voltage [V]": columns["x_cm"], "spring": columns["x_cm"], **logged})
+    assert "such as --column enc_left_ticks=foo;" in err
+
+
+def test_a_log_of_a_motor_without_a_speed_is_of_neither_kind(init):
+    speeds = {f"{side}SpeedRpm": 2 * np.arange(40) for side in ("left", "right")}
+    logged = {"time": 1100 * np.arange(40), "motorCommand": np.arange(40), **speeds}
+    _, _, err, _ = init(logged)
+    assert "which a log of the kind motor_step or motor_steady needs" in err
+    assert "such as --column omega_rad_s=leftSpeedRpm;" in err
 
 
 def test_of_a_log_with_counts_alone_poses_are_named_before_voltages(init, columns):
