@@ -9,7 +9,7 @@ from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.checks.scenario import check_run
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone, SingleRoute
 from configs.posterior.drawing import HYPOTHESIS, NUMBERS, drawn_hypothesis, drawn_robot
-from configs.posterior.schema import DrawnFrom
+from configs.posterior.schema import DrawnFrom, LoadedPosterior
 from configs.route_arenas import arena_path
 from configs.schema.appearance.look import LookConfig
 from configs.schema.arena import ArenaConfig
@@ -77,19 +77,11 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
     root, like = single.root, None
     if loaded.like is not None:
-        hypothesis = drawn_hypothesis(loaded.like, stream(loaded.seed, route, run, HYPOTHESIS))
-        robot = drawn_robot(root, hypothesis, values, stream(loaded.seed, route, run, NUMBERS))
-        root = robot.on(root)
-        drawn |= {HYPOTHESIS: hypothesis.name} | {f"robot.{field}": value for field, value in robot.numbers.items()}
-        measured = tuple(each for each in loaded.like.measured if each.quantity is not None)
-        like = DrawnFrom(sha256=loaded.like.sha256, hypothesis=hypothesis.name, measured=measured)
+        root, names, like = _like(loaded.like, root, values, (loaded.seed, route, run))
+        drawn |= names
     scenario = validated(root, Scenario, values)
     if scenario.arena.generate is not None:
-        middle = _drawn_about(single, values).routes[0].start
-        about = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
-        rng = stream(loaded.seed, route, run, GENERATE)
-        path, note = arena_path(loaded.root, single.index), f"drawn for {route} run {run}"
-        arena = _generated(scenario.arena, about, rng, loaded.root, note=note, path=path)
+        arena = _arena_of_run(scenario.arena, loaded, single, values, (route, run))
         scenario = scenario.model_copy(update={"arena": arena})
     check_run(scenario, loaded.root, single.index, run)
     return RunSpec(
@@ -109,6 +101,32 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         drawn=dict(sorted(drawn.items())),  # type: ignore[arg-type]
         like=like,
     )
+
+
+def _like(
+    posterior: LoadedPosterior, root: Node, values: Mapping[FieldPath, Scalar], key: tuple[int, str, int]
+) -> tuple[Node, dict[str, Scalar], DrawnFrom]:
+    """Return the tree with a robot from the posterior, the drawn values by name, and their origin."""
+    hypothesis = drawn_hypothesis(posterior, stream(*key, HYPOTHESIS))
+    robot = drawn_robot(root, hypothesis, values, stream(*key, NUMBERS))
+    names = {HYPOTHESIS: hypothesis.name} | {f"robot.{field}": value for field, value in robot.numbers.items()}
+    measured = tuple(each for each in posterior.measured if each.quantity is not None)
+    origin = DrawnFrom(sha256=posterior.sha256, hypothesis=hypothesis.name, measured=measured)
+    return robot.on(root), names, origin
+
+
+def _arena_of_run(
+    arena: ArenaConfig,
+    loaded: LoadedScenario,
+    single: SingleRoute,
+    values: Mapping[FieldPath, Scalar],
+    key: tuple[str, int],
+) -> ArenaConfig:
+    """Return the generated arena of a run, whose line passes through the middle of the distribution of the start."""
+    middle = _drawn_about(single, values).routes[0].start
+    start = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
+    path, note = arena_path(loaded.root, single.index), f"drawn for {key[0]} run {key[1]}"
+    return _generated(arena, start, stream(loaded.seed, *key, GENERATE), loaded.root, note=note, path=path)
 
 
 def draw_all(loaded: LoadedScenario) -> list[RunSpec]:

@@ -93,9 +93,7 @@ def imported_rows(
     tables = [_table(table, rows, chosen) for table in trajectory.tables]
     for sensor in trajectory.sensors:
         table = _sensor_table(sensor, start_s, int(rows.t_ms[-1]))
-        if left_out := len(sensor.t_s) - len(table.numbers):
-            text = f"{sensor.name}: left out: {plural(left_out, 'sample')} before the first or after the last row"
-            changes.append(f"{text}, or with the time of another one")
+        changes += _samples_left_out(sensor, len(table.numbers))
         tables += [table] if len(table.numbers) else []
     return ImportedRows(rows, tuple(sorted(tables, key=lambda one: one.table.name)), tuple(changes))
 
@@ -148,6 +146,12 @@ def _sensor_table(sensor: LoggedSensor, start_s: float, end_ms: int) -> Imported
     numbers = np.column_stack((t_ms, sensor.values))[is_taken]
     table = sensor_table(sensor.name, sensor.meaning, sensor.columns, may_be_empty=True)
     return ImportedTable(sensor.kind, table, numbers, sensor.settings)
+
+
+def _samples_left_out(sensor: LoggedSensor, kept_samples: int) -> list[str]:
+    left_out = len(sensor.t_s) - kept_samples
+    text = f"{sensor.name}: left out: {plural(left_out, 'sample')} before the first or after the last row"
+    return [f"{text}, or with the time of another one"] if left_out else []
 
 
 def _table(table: LoggedTable, rows: Rows, chosen: np.ndarray) -> ImportedTable:

@@ -88,19 +88,8 @@ def assemble(
             where=f"--out {workspace.out}",
             cure="name another folder with --out, or give --replace",
         )
-    runs: list[AssembledRun] = []
-    files: dict[str, _Checked] = {}
     _remove_stale_runs(workspace, {spec.key for spec in good}, failed, report)
-    with report.stage("assemble", len(good), "runs") as stage:
-        for spec in good:
-            for name, digest in release_run(workspace, spec).items():
-                path = f"{spec.key}/{name}"
-                files[path] = _Checked(digest, (workspace.out / path).stat().st_size)
-            run = assembled_run(workspace, spec)
-            if run.record.cpu_classes:
-                stage.say(f"{spec.key}: {of_several_classes(run.record.cpu_classes)}")
-            runs.append(run)
-            stage.update(spec.key, 1)
+    runs, files = _released(workspace, good, report)
     splits = _splits(tree, specs, [run.record for run in runs])
     for name in splits.empty if splits and good else ():
         report.say(f"assemble: warning: the split {name} is empty, because its runs failed")
@@ -109,6 +98,25 @@ def assemble(
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     _write_top(workspace.out, top(runs, files), tags_before, report)
+
+
+def _released(
+    workspace: Workspace, specs: Sequence[SceneSpec], report: Report
+) -> tuple[list[AssembledRun], dict[str, _Checked]]:
+    """Write the files of all runs into the dataset; return the runs, and the files by their path in the dataset."""
+    runs: list[AssembledRun] = []
+    files: dict[str, _Checked] = {}
+    with report.stage("assemble", len(specs), "runs") as stage:
+        for spec in specs:
+            for name, digest in release_run(workspace, spec).items():
+                path = f"{spec.key}/{name}"
+                files[path] = _Checked(digest, (workspace.out / path).stat().st_size)
+            run = assembled_run(workspace, spec)
+            if run.record.cpu_classes:
+                stage.say(f"{spec.key}: {of_several_classes(run.record.cpu_classes)}")
+            runs.append(run)
+            stage.update(spec.key, 1)
+    return runs, files
 
 
 def _check_protected(out: Path, failures: Sequence[FailedRun]) -> None:

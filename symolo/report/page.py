@@ -9,7 +9,7 @@ from symolo.core.distributions import in_words
 from symolo.core.errors import one_line
 from symolo.core.progress import seconds
 from symolo.dataset.documents.contents import Contents
-from symolo.dataset.documents.metadata import RunRecord
+from symolo.dataset.documents.metadata import Metadata, RunRecord
 from symolo.pages.html import grouped, render_page
 from symolo.pages.states import named
 from symolo.report.media import Media
@@ -85,15 +85,20 @@ def page(facts: ReleaseFacts, media: Media) -> str:
             if record.board is not None and record.board.events
         ],
         failed_runs=[(failed.run, failed.stage, one_line(failed.problem)) for failed in metadata.failed_runs],
-        provenance=[
-            ("Seed", metadata.seed),
-            ("Made with", ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))),
-            *([("Rendered on", ", ".join(whole.render_devices))] if whole.render_devices else []),
-            *(("Rendering", text) for text in sorted({r.rendering.text for r in metadata.runs if r.rendering})),
-            ("Format", f"{metadata.format} {metadata.format_version}"),
-        ],
+        provenance=_provenance(metadata, whole.render_devices),
         scenario=json.dumps(metadata.scenario, indent=2, ensure_ascii=False, sort_keys=True),
     )
+
+
+def _provenance(metadata: Metadata, render_devices: Sequence[str]) -> list[tuple[str, object]]:
+    """Return the rows of the table of provenance."""
+    return [
+        ("Seed", metadata.seed),
+        ("Made with", ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))),
+        *([("Rendered on", ", ".join(render_devices))] if render_devices else []),
+        *(("Rendering", text) for text in sorted({run.rendering.text for run in metadata.runs if run.rendering})),
+        ("Format", f"{metadata.format} {metadata.format_version}"),
+    ]
 
 
 def _sections(facts: ReleaseFacts, media: Media) -> dict[str, str]:

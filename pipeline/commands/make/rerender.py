@@ -145,7 +145,6 @@ def rerender(
 
     The first draw of a look is the same as with --look; the others have different seeds, which are in metadata.json.
     """
-    from configs.references import shipped_names
     from pipeline.executors.local import Local
     from pipeline.importing.imported_runs import ImportRequest
     from pipeline.rerendering.rerender import (
@@ -159,18 +158,10 @@ def rerender(
     from pipeline.rerendering.sources import read_sources
     from symolo.core.progress import report_here
 
+    chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
-    if (look is None) == (looks is None):
-        if look is not None:
-            raise InputError("--look and --looks are both given", cure="keep one of them")
-        allowed = "--look NAME for one look, or --looks NAME,... for several"
-        cure = f"shipped looks are {', '.join(shipped_names('look'))}"
-        raise InputError("no look is named", allowed=allowed, cure=cure)
-    if looks is None and draws is not None:
-        raise InputError("--draws", got=draws, cure="name the looks with --looks")
     if name is not None:
         checked_name("--name", name)
-    chosen = names(looks, "--looks") if looks is not None else (str(look),)
     overrides = with_device(settings, device)
     request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, overrides, option, name)
     check_overrides(request)
@@ -193,6 +184,23 @@ def rerender(
     executor = Local.of(workers, memory).on(rerendering.device)
     failures = make_release(rerendering, where, executor, report, replace=replace)
     return conclude(failures, len(rerendering.runs), "rerender", where)
+
+
+def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tuple[str, ...]:
+    """Return the looks of `--look` or `--looks`, of which exactly one must be given."""
+    from configs.references import shipped_names
+
+    if look is not None and looks is not None:
+        raise InputError("--look and --looks are both given", cure="keep one of them")
+    if looks is not None:
+        return names(looks, "--looks")
+    if look is None:
+        allowed = "--look NAME for one look, or --looks NAME,... for several"
+        cure = f"shipped looks are {', '.join(shipped_names('look'))}"
+        raise InputError("no look is named", allowed=allowed, cure=cure)
+    if draws is not None:
+        raise InputError("--draws", got=draws, cure="name the looks with --looks")
+    return (look,)
 
 
 def _print_plan(rerendering: "Rerendering", out: Path) -> None:

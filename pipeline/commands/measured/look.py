@@ -1,14 +1,18 @@
 """Commands for looks: `symolo look from`."""
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pipeline.commands.options import DryRun, NewFolder, Workers, checked_inputs, read_input
 from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.files.plain_files import FileKind
+
+if TYPE_CHECKING:
+    from configs.schema.appearance.floors import FloorName
 
 HELP = "Make a look, with floor, line, light and camera, from photographs of your own."
 
@@ -139,7 +143,6 @@ def from_(
 
     docs/own_look.md explains what photographs can tell, and what they cannot.
     """
-    from diagnosis.photographs.fitted_look import PAINTED_FLOORS
     from diagnosis.photographs.report import table_lines
     from pipeline.look_from_photographs.fit import LOOK, PAGE, SCENARIO_FILE, base_camera, fit_look, write_look
     from pipeline.look_from_photographs.photographs import read_photographs
@@ -150,19 +153,11 @@ def from_(
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
 
-    material = floor if floor in PAINTED_FLOORS else None
-    if material is None and floor != "photographs":
-        allowed = "photographs", *PAINTED_FLOORS
-        raise InputError("--floor", got=floor, allowed=", ".join(allowed), nearest=nearest(floor, allowed))
+    material = _material(floor)
     if not dry_run:
         check_new(out)
     base_camera(base, keeps_files=material is not None)
-    faults, files = FaultList(), list[tuple[Path, bytes]]()
-    for path in photographs:
-        with faults.noted():
-            files.append((path, read_input(path, FileKind.IMAGE)))
-    faults.check()
-    read = read_photographs(files, width_px)
+    read = read_photographs(_files(photographs), width_px)
     for note in read.notes:
         typer.echo(note)
     geometry = ViewGeometry(0.001 * line_width_mm, pitch_down_deg, field_of_view_deg)
@@ -182,6 +177,28 @@ def from_(
     typer.echo(f"\n{', '.join(str(out / name) for name in written)}\n")
     typer.echo(f"symolo release {shlex.quote(str(out / SCENARIO_FILE))} --out data")
     typer.echo(f"With a scenario of your own: {look.settings_to_use(str(out / LOOK))}")
+
+
+def _material(floor: str) -> "FloorName | None":
+    """Return the material of `--floor`, or None for the texture of the photographs."""
+    from diagnosis.photographs.fitted_look import PAINTED_FLOORS
+
+    if floor in PAINTED_FLOORS:
+        return floor
+    if floor != "photographs":
+        allowed = "photographs", *PAINTED_FLOORS
+        raise InputError("--floor", got=floor, allowed=", ".join(allowed), nearest=nearest(floor, allowed))
+    return None
+
+
+def _files(photographs: Sequence[Path]) -> list[tuple[Path, bytes]]:
+    """Return the photographs with their bytes; all that cannot be read are reported together."""
+    faults, files = FaultList(), list[tuple[Path, bytes]]()
+    for path in photographs:
+        with faults.noted():
+            files.append((path, read_input(path, FileKind.IMAGE)))
+    faults.check()
+    return files
 
 
 COMMANDS = (from_,)

@@ -12,7 +12,7 @@ own, so that the same release would not give the same bytes.
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from symolo.publishing.about import Author
+from symolo.publishing.about import About, Author
 from symolo.publishing.dataset import PackedFile, Published
 from symolo.publishing.remaking import SCENARIO, SETTINGS, Remaking
 
@@ -48,23 +48,7 @@ def _entities(data: Published) -> Iterator[dict[str, Any]]:
         "about": {"@id": "./"},
         "conformsTo": _ids([_CRATE, _WORKFLOW_CRATE] if made.is_workflow else [_CRATE]),
     }
-    root = {
-        "@id": "./",
-        "@type": "Dataset",
-        "conformsTo": _ids(profiles),
-        "name": about.title,
-        "description": data.description,
-        "datePublished": about.published,
-        "version": about.version,
-        "keywords": ", ".join(data.keywords),
-        "license": {"@id": licence.url} if licence.url else licence.name,
-        "author": _ids(author["@id"] for author in authors),
-        "publisher": {"@id": "#publisher"},
-        "hasPart": _ids([made.settings_file, CARD, *(file.name for file in files)]),
-        "mentions": {"@id": _RUN},
-    }
-    root |= {"mainEntity": {"@id": SCENARIO}} if made.is_workflow else {}
-    yield root | ({"identifier": about.address} if about.address else {})
+    yield _dataset(data, [*profiles], [file.name for file in files], [author["@id"] for author in authors])
     yield from _workflow(data) if made.is_workflow else _inputs(made)
     yield {
         "@id": _RUN,
@@ -88,16 +72,42 @@ def _entities(data: Published) -> Iterator[dict[str, Any]]:
         "encodingFormat": "text/markdown",
     }
     yield from authors
-    for number, author in enumerate(about.authors, start=1):
-        if author.affiliation:
-            yield {"@id": f"#affiliation-{number}", "@type": "Organization", "name": author.affiliation}
-    yield {"@id": "#publisher", "@type": "Organization", "name": about.publisher}
+    yield from _organisations(about)
     if licence.url:
         yield {"@id": licence.url, "@type": "CreativeWork", "name": licence.name, "identifier": licence.spdx}
     for name, version in sorted(({"symolo": ""} | data.metadata.made_with).items()):
         yield _program(name, version)
     for address, name in profiles.items():
         yield {"@id": address, "@type": "CreativeWork", "name": name, "version": address.rpartition("/")[2]}
+
+
+def _dataset(data: Published, profiles: list[str], files: list[str], authors: list[str]) -> dict[str, Any]:
+    """Return the folder itself; `profiles`, `files` and `authors` are ids of other entities."""
+    about, licence, made = data.about, data.licence, data.remaking
+    dataset = {
+        "@id": "./",
+        "@type": "Dataset",
+        "conformsTo": _ids(profiles),
+        "name": about.title,
+        "description": data.description,
+        "datePublished": about.published,
+        "version": about.version,
+        "keywords": ", ".join(data.keywords),
+        "license": {"@id": licence.url} if licence.url else licence.name,
+        "author": _ids(authors),
+        "publisher": {"@id": "#publisher"},
+        "hasPart": _ids([made.settings_file, CARD, *files]),
+        "mentions": {"@id": _RUN},
+    }
+    dataset |= {"mainEntity": {"@id": SCENARIO}} if made.is_workflow else {}
+    return dataset | ({"identifier": about.address} if about.address else {})
+
+
+def _organisations(about: About) -> Iterator[dict[str, Any]]:
+    for number, author in enumerate(about.authors, start=1):
+        if author.affiliation:
+            yield {"@id": f"#affiliation-{number}", "@type": "Organization", "name": author.affiliation}
+    yield {"@id": "#publisher", "@type": "Organization", "name": about.publisher}
 
 
 def _source_ids(made: Remaking) -> list[str]:
