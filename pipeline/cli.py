@@ -35,8 +35,9 @@ from pipeline.commands.datasets.upload import upload
 from pipeline.commands.datasets.verify import verify
 from pipeline.commands.datasets.video import video
 from pipeline.commands.datasets.view import view
-from pipeline.commands.doctor import doctor
 from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LACKS, RUN_FAILED
+from pipeline.commands.machine.doctor import doctor
+from pipeline.commands.machine.schema import schema
 from pipeline.commands.make import arena, effect, robot, sensor
 from pipeline.commands.make.assemble import assemble
 from pipeline.commands.make.firmware import firmware
@@ -54,7 +55,6 @@ from pipeline.commands.measured.diagnose import diagnose
 from pipeline.commands.measured.identify_camera import identify_camera
 from pipeline.commands.measured.inspect import inspect
 from pipeline.commands.measured.next_trial import next_trial
-from pipeline.commands.schema import schema
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import extra_lacking
 from symolo.core.os_errors import lacking

@@ -73,7 +73,7 @@ def export(
 
     Training and test: symolo export data --format coco --splits '{by: run, shares: {train: 0.8, test: 0.2}}' --out coco
     """
-    from pipeline.commands.datasets.splits import split_line, with_splits
+    from pipeline.commands.splits import split_line, with_splits
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
     from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING

@@ -1,6 +1,5 @@
 """`symolo assemble`: assembles the dataset from rendered runs."""
 
-from pipeline.commands.make.stages import make
 from pipeline.commands.options import (
     Like,
     OnDevice,
@@ -12,6 +11,7 @@ from pipeline.commands.options import (
     with_device,
     with_like,
 )
+from pipeline.commands.stages import make
 
 
 def assemble(

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.make.serial_line import Baud, Framing, FramingChoice
 from pipeline.commands.options import (
     Robot,
     checked_new_folder,
     names,
 )
+from pipeline.commands.serial_line import Baud, Framing, FramingChoice
 
 
 def firmware(

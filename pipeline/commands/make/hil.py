@@ -4,8 +4,6 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.make.serial_line import Baud, Framing, FramingChoice
-from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     OnDevice,
     Out,
@@ -16,6 +14,8 @@ from pipeline.commands.options import (
     Workers,
     with_device,
 )
+from pipeline.commands.serial_line import Baud, Framing, FramingChoice
+from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
 
 

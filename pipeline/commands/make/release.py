@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.make.stages import make
 from pipeline.commands.options import (
     Address,
     AllowHttp,
@@ -26,6 +25,7 @@ from pipeline.commands.options import (
     with_device,
     with_like,
 )
+from pipeline.commands.stages import make
 from symolo.core.errors import InputError
 
 if TYPE_CHECKING:

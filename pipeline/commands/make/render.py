@@ -1,6 +1,5 @@
 """`symolo render`: renders the images of simulated runs."""
 
-from pipeline.commands.make.stages import make
 from pipeline.commands.options import (
     Like,
     OnDevice,
@@ -13,6 +12,7 @@ from pipeline.commands.options import (
     with_device,
     with_like,
 )
+from pipeline.commands.stages import make
 
 
 def render(

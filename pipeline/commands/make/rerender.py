@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.make.import_logs import (
+from pipeline.commands.log_options import (
     BodyAt,
     Forward,
     HeadingFromPath,
@@ -20,7 +20,6 @@ from pipeline.commands.make.import_logs import (
     describe_logs,
     read_settings,
 )
-from pipeline.commands.make.stages import conclude
 from pipeline.commands.options import (
     DryRun,
     OnDevice,
@@ -34,6 +33,7 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
+from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
 
 if TYPE_CHECKING:

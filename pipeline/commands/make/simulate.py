@@ -1,6 +1,5 @@
 """`symolo simulate`: simulates every run of a scenario."""
 
-from pipeline.commands.make.stages import make
 from pipeline.commands.options import (
     Like,
     Out,
@@ -11,6 +10,7 @@ from pipeline.commands.options import (
     Workers,
     with_like,
 )
+from pipeline.commands.stages import make
 
 
 def simulate(

@@ -9,7 +9,7 @@ import symolo as library
 from configs.loader import load_scenario
 from configs.schema.scenario import Rates
 from pipeline.cli import main
-from pipeline.commands.make import stages
+from pipeline.commands import stages
 from symolo.core.errors import InputError
 from symolo.dataset.documents.run_records import RatesRecord
 from symolo.dataset.rates import period_beside_rows_s

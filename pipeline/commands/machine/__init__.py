@@ -1,0 +1,1 @@
+"""Commands about this machine and about what symolo reads and prints: doctor, schema."""
