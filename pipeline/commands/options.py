@@ -282,3 +282,12 @@ def names(text: str, where: str) -> tuple[str, ...]:
     if not all(result):
         raise InputError(where, got=text, allowed="names separated by commas, such as classroom,lab")
     return result
+
+
+def load_effects(files: Sequence[Path]) -> None:
+    """Load the effects of the user in these files, so that a diagnosis tries them, too."""
+    if files:
+        from pipeline.effects.check import load_to_fit
+
+        for file in files:
+            load_to_fit(file)

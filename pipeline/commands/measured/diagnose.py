@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.commands.exit_codes import RUN_FAILED
-from pipeline.commands.options import ImporterName, Json, Out, Workers, checked_input, checked_inputs, if_given
+from pipeline.commands.options import (
+    ImporterName,
+    Json,
+    Out,
+    Workers,
+    checked_input,
+    checked_inputs,
+    if_given,
+    load_effects,
+)
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
 
@@ -151,11 +160,7 @@ def diagnose(
     from symolo.core.progress import report_here
     from symolo.dataset.folder_kind import Kind
 
-    if effects:
-        from pipeline.effects.check import load_to_fit
-
-        for file in effects:
-            load_to_fit(file)
+    load_effects(effects or ())
     if explain and as_json:
         raise InputError("--explain and --json", cure="give one of them; reasoning.txt is written in any case")
     named = cases_of(cases)

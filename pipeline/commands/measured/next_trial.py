@@ -2,14 +2,14 @@
 
 import os
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import Json, NewFolder, checked_input
+from pipeline.commands.options import Json, NewFolder, checked_input, load_effects
 from pipeline.work.processors import use_one_thread
 from symolo.core.errors import InputError
 
@@ -135,18 +135,13 @@ def next_trial(
     from diagnosis.next_trial.limits import limits_of
     from pipeline.diagnosing.diagnose import diagnosed_again, read_case
     from pipeline.diagnosing.made_from import read_made_from
-    from symolo.core.files.atomic_files import make_folder, write_file
-    from symolo.core.files.new_folder import check_new, new_folder
+    from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
 
     check_new(out)
     if seconds is not None and rows is not None:
         raise InputError("--seconds and --rows", cure="give one of them")
-    if effects:
-        from pipeline.effects.check import load_to_fit
-
-        for file in effects:
-            load_to_fit(file)
+    load_effects(effects or ())
     made_from = read_made_from(diagnosis)
     settings = made_from.settings
     measurement = read_case(made_from.paths[0], settings)
@@ -170,15 +165,23 @@ def next_trial(
         design = design_trial(diagnosed, limits, report.say)
     command = _command(made_from.paths, out / case_name(design))
     contents = trial_files(design, command, _simulation(out, diagnosis))
-    with new_folder(out) as folder:
-        for name, data in contents.items():
-            make_folder((folder / name).parent)
-            write_file(folder / name, data)
+    _write(contents, out)
     if as_json:
         typer.echo(json.dumps(in_json(design), ensure_ascii=False))
         return
     typer.echo(contents[INSTRUCTIONS].decode("utf-8"))
     typer.echo(f"{out / INSTRUCTIONS}, {out / case_name(design) / 'data.csv'}")
+
+
+def _write(contents: Mapping[str, bytes], out: Path) -> None:
+    """Write the files of a trial into a new folder, all of them or none."""
+    from symolo.core.files.atomic_files import make_folder, write_file
+    from symolo.core.files.new_folder import new_folder
+
+    with new_folder(out) as folder:
+        for name, data in contents.items():
+            make_folder((folder / name).parent)
+            write_file(folder / name, data)
 
 
 @contextmanager
