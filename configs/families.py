@@ -95,6 +95,20 @@ class Family(Generic[Member]):
         """Return all members by their names."""
         return _by_name(self.classes())
 
+    def named(self, name: str) -> type[Member]:
+        """Return a member by its name, which the user gave as an argument.
+
+        Raises:
+            InputError: There is none.
+        """
+        if (member := self.by_name().get(name)) is not None:
+            return member
+        cure = (
+            f"`symolo {self.noun} list` lists all; name your own file before the command: symolo --{self.noun}-file"
+            " FILE ..."
+        )
+        raise InputError("NAME", got=name, nearest=nearest(name, self.by_name()), cure=cure)
+
     @property
     def shipped(self) -> tuple[type[Member], ...]:
         """Members of the project alone."""

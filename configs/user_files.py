@@ -61,10 +61,10 @@ class RobotFiles:
                 if record is not None and self.problem(record) is not None:
                     yield key, values, record
 
-    def problem(self, record: CodeFile) -> InputError | None:
+    def problem(self, record: CodeFile, use: str = "") -> InputError | None:
         """Return why nothing can be computed with the class of a recorded file, and what to do; None if it is loaded.
 
-        Nothing executes the text of the record.
+        Nothing executes the text of the record. `use` follows the message and says what the file is needed for.
         """
         other = self.family.files.get(record.name)
         cure = (
@@ -72,7 +72,7 @@ class RobotFiles:
             f" it before the command: symolo --{self.noun}-file {shlex.quote(record.file)} ..."
         )
         if other is None:
-            what = f"{self.noun} {record.name}: its file {record.file} ({record.sha256}) is not loaded"
+            what = f"{self.noun} {record.name}: its file {record.file} ({record.sha256}) is not loaded{use}"
             return InputError(what, cure=cure)
         if other.sha256 == record.sha256:
             return None

@@ -22,6 +22,8 @@ from symolo.core.files.new_folder import check_new, new_folder
 from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import SPEC
 
+MAX_LISTED = 20
+"""Largest number of files that are listed; a dataset of a stranger may state thousands."""
 FILES: TypeAdapter[list[CodeFile]] = TypeAdapter(list[CodeFile])
 
 
@@ -108,7 +110,7 @@ def code_file_lines(folder: Path) -> Iterator[str]:
             files = code_files(folder, kind)
         except InputError:
             continue
-        for file in files:
+        for file in files[:MAX_LISTED]:
             loaded = kind.family.files.get(file.name)
             state = "a file with the same content is loaded"
             if loaded is None:
@@ -116,6 +118,8 @@ def code_file_lines(folder: Path) -> Iterator[str]:
             elif loaded.sha256 != file.sha256:
                 state = f"the loaded file {loaded.path} has changed since, its SHA-256 is {loaded.sha256}"
             yield f"{kind.noun} {file.name}: made with {file.file}, SHA-256 {file.sha256}; {state}"
+        if (others := len(files) - MAX_LISTED) > 0:
+            yield f"made with {others} further files of {kind.section}; `symolo {kind.noun} extract` writes all"
 
 
 def _of_stages(folder: Path, kind: RobotFiles) -> Iterator[CodeFile]:

@@ -7,11 +7,14 @@ import numpy as np
 from configs.robot_sensors import RobotSensors, SensorSettings, UnloadedSettings
 from configs.schema.robot import RobotConfig
 from configs.user_files import SENSOR_FILES
+from configs.validation.schema_faults import OWN_SENSOR
 from sensors.base import Sensor
 from sensors.registry import SENSORS
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.tables.sensor_tables import ListedSensor
+
+_STATES = ", which states how its readings come about and what their columns are"
 
 
 def build_sensors(
@@ -54,14 +57,13 @@ def with_loaded_sensors(robot: RobotConfig) -> tuple[RobotConfig, dict[str, Inpu
 def _listed(robot: RobotConfig) -> Iterator[tuple[str, type[Sensor], SensorSettings]]:
     """Yield name, class and settings of each sensor of `robot.sensors` except the cameras."""
     known = {kind.name: kind for kind in SENSORS.classes() if kind.is_listed()}
-    problems = {file.name: problem for file in robot.sensor_files if (problem := SENSOR_FILES.problem(file))}
+    problems = {file.name: problem for file in robot.sensor_files if (problem := SENSOR_FILES.problem(file, _STATES))}
     for name, settings in robot.sensors:
         if problem := problems.get(settings.kind or name):
             raise problem
         kind = known.get(settings.kind or name)
         if kind is None or not isinstance(settings, SensorSettings):
-            got, cure = settings.kind or name, f"name its file in the environment variable {SENSORS.variable}"
-            hint = nearest(got, [*known])
-            raise InputError(f"robot.sensors.{name}: no such kind of sensor", got=got, nearest=hint, cure=cure)
+            got, hint = settings.kind or name, nearest(settings.kind or name, [*known])
+            raise InputError(f"robot.sensors.{name}: no such kind of sensor", got=got, nearest=hint, cure=OWN_SENSOR)
         if not kind.is_rendered:
             yield name, kind, settings

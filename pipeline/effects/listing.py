@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from configs.effects.base import Effect, Slot
 from configs.effects.registry import EFFECTS
 from pipeline.effects.trial import ANY_NAME
-from symolo.core.errors import InputError, nearest
 from symolo.core.field_descriptions import field_descriptions
 
 
@@ -17,19 +16,6 @@ def effect_lines(slot: Slot | None = None) -> Iterator[str]:
     for effect in effects:
         mark = " (your own)" if effect.name in user_files else ""
         yield f"{effect.name:<{wide}}  {effect.slot:<15}  {effect.cause}{mark}"
-
-
-def effect_named(name: str) -> type[Effect]:
-    """Return an effect by its name.
-
-    Raises:
-        InputError: There is none.
-    """
-    known = EFFECTS.by_name()
-    if name not in known:
-        cure = "`symolo effect list` lists all; name your own file before the command: symolo --effect-file FILE ..."
-        raise InputError("NAME", got=name, nearest=nearest(name, known), cure=cure)
-    return known[name]
 
 
 def effect_text(effect: type[Effect]) -> Iterator[str]:

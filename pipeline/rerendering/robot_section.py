@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from configs.draw import draw_robot
+from configs.effects.robot_effects import RobotEffects
 from configs.loader import load_section, section_of
 from configs.robot_sensors import RobotSensors
 from configs.schema.robot import RobotConfig
@@ -13,6 +14,8 @@ from symolo.dataset.documents.camera_specification import KIND as CAMERA
 
 NEW = ("name", "description", "chassis", "body", "camera")
 """Sections of the robot that may be new; of its sensors, the further cameras."""
+_WITHOUT_CODE = {"effects": RobotEffects(), "effect_files": (), "sensor_files": ()}
+"""Fields of a robot without the user's own code: images do not depend on it, so that its files need not be loaded."""
 _ALLOWED = "fields of robot.chassis, robot.body, robot.camera, and cameras of robot.sensors"
 _SIMULATE = "the readings of the run are those of its own robot; to change these, simulate again"
 _LOGGED = "the readings of the run are those of its log"
@@ -36,7 +39,7 @@ def robot_of_images(
         return spec.robot, None
     for text in overrides:
         _check_seen(spec, text)
-    robot_of_run = spec.robot.model_copy(update={"sensors": _cameras(spec.robot)})
+    robot_of_run = spec.robot.model_copy(update={**_WITHOUT_CODE, "sensors": _cameras(spec.robot)})
     section = (
         section_of("robot", robot_of_run.model_dump(mode="json"), "robot of the run", overrides)
         if name is None
@@ -46,7 +49,8 @@ def robot_of_images(
     _check_are_cameras(robot, overrides)
     sensors = RobotSensors(tuple(sorted([*_others(spec), *_without_clash(spec, robot)], key=lambda member: member[0])))
     if spec.is_imported:
-        return robot.model_copy(update={"sensors": sensors}), dict(new_drawn)
+        code = {} if name else {field: getattr(spec.robot, field) for field in _WITHOUT_CODE}
+        return robot.model_copy(update={**code, "sensors": sensors}), dict(new_drawn)
     cameras = set(_cameras(robot).names) | set(_cameras(spec.robot).names)
     unchanged = {
         path: value for path, value in spec.drawn.items() if path.startswith("robot.") and not _is_new(path, cameras)

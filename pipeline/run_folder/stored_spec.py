@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 from configs.schema.scenario import RunSpec, SceneSpec
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_file
+from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.tables.side_reading import first_fault
 
 MAX_VALUES = 100_000
@@ -31,7 +32,9 @@ def parse_spec(text: str | bytes) -> SceneSpec:
         content = None  # the model says where it breaks off
     origin = content.get("origin") if isinstance(content, dict) else None
     is_imported = isinstance(origin, dict) and "log" in origin
-    return (SceneSpec if is_imported else RunSpec).model_validate_json(text)
+    spec = (SceneSpec if is_imported else RunSpec).model_validate_json(text)
+    RunDocument.model_validate(spec)  # of a sensor whose file is not loaded, the specification has any settings
+    return spec
 
 
 def spec_problem(text: str) -> str:

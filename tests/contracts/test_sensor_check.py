@@ -1,5 +1,6 @@
 """`symolo sensor check` finds what is wrong with a sensor in a file, and `symolo sensor new` writes a good one."""
 
+import hashlib
 import re
 
 import numpy as np
@@ -116,3 +117,36 @@ def test_a_written_file_is_not_replaced(tmp_path, monkeypatch, symolo):
 def test_all_kinds_are_listed_with_columns_and_units(symolo):
     out = symolo("sensor", "list").out
     assert re.search(r"^ultrasonic +Range to the first echo .*Columns: range \[m\]", out, re.MULTILINE)
+
+
+def test_one_kind_is_shown_with_its_columns_settings_and_file(symolo):
+    lines = [line.strip() for line in symolo("sensor", "show", "lidar").out.splitlines()]
+    assert "defined in:  sensors/ranging/lidar.py, shipped with symolo" in lines
+    assert "range_0..range_359 [m]: distance along the ray, 0 for no return" in lines
+    place = lines.index("max_range_m: number > 0 and <= 100, default 8.0")
+    assert lines[place + 1] == "Largest range that is measured [m]."
+    assert lines[-1] == "try it:      symolo simulate smoke --set 'robot.sensors.lidar={}' --out data"
+    inertial = symolo("sensor", "show", "imu").out
+    assert f"accelerometer.range_m_s2: number > 0 and <= 10000, default {2 * 9.80665}" in inertial
+
+
+@pytest.mark.parametrize("name", [kind.name for kind in SENSORS.shipped])
+def test_every_kind_is_shown(symolo, name):
+    ended = symolo("sensor", "show", name)
+    assert (ended.code, ended.out.splitlines()[0]) == (0, name)
+
+
+def test_a_kind_of_ones_own_is_shown_with_its_file_and_option(tmp_path, symolo):
+    path = tmp_path / "compass.py"
+    path.write_text(GOOD)
+    try:
+        out = symolo("--sensor-file", path, "sensor", "show", "compass").out
+    finally:
+        SENSORS.unload(path)
+    assert f"defined in:  {path} (SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()})" in out
+    assert f"symolo --sensor-file {path} simulate smoke --set 'robot.sensors.compass={{}}'" in out
+
+
+def test_an_unknown_kind_is_answered_by_the_nearest(symolo):
+    ended = symolo("sensor", "show", "lidr")
+    assert (ended.code, "did you mean lidar" in ended.err, "symolo --sensor-file FILE" in ended.err) == (2, True, True)

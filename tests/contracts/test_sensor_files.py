@@ -15,8 +15,10 @@ from configs.user_files import SENSOR_FILES
 from configs.validation.json_schema import scenario_json_schema
 from pipeline.cli import main
 from pipeline.code_files import code_file_lines, named_contents
+from pipeline.rerendering.robot_section import robot_of_images
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.stages.simulate import simulate
+from sensors.build import listed_sensors
 from sensors.registry import SENSORS
 from symolo.core.errors import InputError
 from tests.contracts.test_own_sensor import TOY
@@ -100,7 +102,7 @@ class TestWithoutTheFile:
         spec = RunSpec.model_validate_json(text)
         assert json.loads(spec.model_dump_json()) == json.loads(text)
         assert (spec_problem(text), SENSORS.files) == ("", {})
-        with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py .*not loaded; .*sensor extract"):
+        with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py .*not loaded, .*; .*sensor extract"):
             simulate(spec)
 
     def test_it_is_simulated_with_the_same_file_and_no_other(self, text, tmp_path):
@@ -115,6 +117,31 @@ class TestWithoutTheFile:
 
     def test_a_text_that_does_not_fit_its_hash_is_a_fault(self, text):
         assert "sensor_files.0.text" in spec_problem(text.replace("One ray", "").replace("is closed", "is open"))
+
+    def test_whoever_needs_its_columns_is_answered_where_they_are(self, text):
+        """As `report` of a run that was simulated and not released, whose columns no metadata.json states yet."""
+        with pytest.raises(InputError, match=r"not loaded, which states .* columns .*sensor extract.* --sensor-file"):
+            listed_sensors(RunSpec.model_validate_json(text).robot)
+
+    def test_a_kind_without_a_record_of_its_file_is_answered_by_the_setting(self, text):
+        content = json.loads(text)
+        del content["robot"]["sensor_files"]
+        with pytest.raises(
+            InputError, match=r"robot\.sensors\.front: .*got 'feeler'.*needs its file: robot\.sensor_files"
+        ):
+            listed_sensors(RunSpec.model_validate(content).robot)
+
+    def test_settings_without_a_period_are_a_fault(self, text):
+        content = json.loads(text)
+        del content["robot"]["sensors"]["front"]["period_s"]
+        assert "robot.sensors.front.period_s" in spec_problem(json.dumps(content))
+
+    def test_its_images_may_have_another_camera(self, text):
+        """Readings and their code are those of the run; nothing of the file is needed."""
+        spec = RunSpec.model_validate_json(text)
+        robot, _ = robot_of_images(spec, None, ["robot.camera.pitch_down_deg=20"], 1)
+        assert robot.camera.pitch_down_deg == 20
+        assert robot.model_copy(update={"camera": spec.robot.camera}) == spec.robot
 
     def test_no_run_is_drawn_from_its_scenario(self, robot):
         tree = load_scenario("smoke", [f"robot={robot}"]).tree
@@ -183,3 +210,19 @@ def test_no_extracted_file_hides_another_one(names):
     contents = named_contents(files)
     assert [*contents.values()] == [text.encode() for text in texts]
     assert len({unicodedata.normalize("NFC", name).lower() for name in contents}) == len(texts)
+
+
+def test_of_very_many_files_the_first_are_listed(robot, tmp_path):
+    run = tmp_path / "data/.stages/simulate/CW/test_1"
+    run.mkdir(parents=True)
+    (run / "trajectory.npz").touch()
+    content = json.loads(drawn(robot).model_dump_json())
+    texts = [f"# {number}" for number in range(1000)]
+    content["robot"]["sensor_files"] = [
+        {"name": "feeler", "file": "a.py", "sha256": hashlib.sha256(text.encode()).hexdigest(), "text": text}
+        for text in texts
+    ]
+    (run / "spec.json").write_text(json.dumps(content))
+    forget()
+    *lines, more = code_file_lines(tmp_path / "data")
+    assert (len(lines), more) == (20, "made with 980 further files of sensors; `symolo sensor extract` writes all")

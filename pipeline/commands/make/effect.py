@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.options import Dataset, NewFolder, absent_file_check, checked_input, if_given
+from pipeline.commands.make.extract import extract_command
+from pipeline.commands.options import absent_file_check, checked_input, if_given
 from symolo.core.errors import InputError
 
 HELP = "Write and check an effect of your own, or look at those that there are."
@@ -109,25 +110,11 @@ def show(
 
     Example: symolo effect show supply_sag
     """
-    from pipeline.effects.listing import effect_named, effect_text
+    from configs.effects.registry import EFFECTS
+    from pipeline.effects.listing import effect_text
 
-    for line in effect_text(effect_named(name)):
+    for line in effect_text(EFFECTS.named(name)):
         typer.echo(line)
 
 
-def extract(folder: Dataset, *, out: NewFolder) -> None:
-    """Write the files of the effects that a dataset was made with, to be read before they are used.
-
-    No command executes code of a dataset. To make its runs again, read the files, and then name them: symolo
-    --effect-file FILE repair DIR.
-
-    Example: symolo effect extract data --out effects
-    """
-    from configs.user_files import EFFECT_FILES
-    from pipeline.code_files import extracted
-
-    for file in extracted(folder, out, EFFECT_FILES):
-        typer.echo(out / file)
-
-
-COMMANDS = (new, check, list_, show, extract)
+COMMANDS = (new, check, list_, show, extract_command("effect"))

@@ -1,4 +1,4 @@
-"""Commands for sensors, also a user's own: `symolo sensor new`, `check`, `list`, `extract`."""
+"""Commands for sensors, also a user's own: `symolo sensor new`, `check`, `list`, `show`, `extract`."""
 
 import shlex
 from pathlib import Path
@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.options import Dataset, NewFolder, absent_file_check, checked_input, if_given
+from pipeline.commands.make.extract import extract_command
+from pipeline.commands.options import absent_file_check, checked_input, if_given
 
 HELP = "Write and check a sensor of your own, or look at those that there are."
 
@@ -76,19 +77,20 @@ def list_() -> None:
         typer.echo(line)
 
 
-def extract(folder: Dataset, *, out: NewFolder) -> None:
-    """Write the files of the sensors that a dataset was made with, to be read before they are used.
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a kind of sensor.")],
+) -> None:
+    """Show a kind of sensor with its columns, its settings with bounds and defaults, and where it is defined.
 
-    No command executes code of a dataset. To make its runs again, read the files, and then name them: symolo
-    --sensor-file FILE repair DIR.
+    Example: symolo sensor show lidar
 
-    Example: symolo sensor extract data --out sensors
+    A sensor of your own: symolo --sensor-file compass.py sensor show compass
     """
-    from configs.user_files import SENSOR_FILES
-    from pipeline.code_files import extracted
+    from pipeline.sensors.listing import sensor_text
+    from sensors.registry import SENSORS
 
-    for file in extracted(folder, out, SENSOR_FILES):
-        typer.echo(out / file)
+    for line in sensor_text(SENSORS.named(name)):
+        typer.echo(line)
 
 
-COMMANDS = (new, check, list_, extract)
+COMMANDS = (new, check, list_, show, extract_command("sensor"))
