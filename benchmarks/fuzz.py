@@ -58,6 +58,11 @@ NAMES = (
     "drawing",
     "rosbag",
     "urdf",
+    "documents",
+    "code",
+    "named",
+    "mapping",
+    "photographs",
     "model",
 )
 

@@ -42,6 +42,8 @@ changes of counts from row to row: 2 % of the step are 2 % of the speed.
 """
 AT_REST = 0.25
 """Largest speed in the first row, as a share of that in the second, of a motor that is still at rest in the first."""
+TOO_LARGE = 1e100
+"""Size of a number that is none of any quantity; squares of smaller ones do not overflow."""
 BRIDGED_STEPS = 3.0
 """Longest gap, in usual steps, across which counts and poses are interpolated."""
 DECIMALS = 9
@@ -126,8 +128,10 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 numbers = np.full(log.rows, float(source.constant))
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
-                logged = log.times(source.column) if name == "t_s" else source.numbers(log)
-                numbers = factor * running_counts(logged, source, name, notes) + source.offset
+                with np.errstate(over="ignore"):  # what became too large is a fault
+                    logged = log.times(source.column) if name == "t_s" else source.numbers(log)
+                    numbers = factor * running_counts(logged, source, name, notes) + source.offset
+                _check_sizes(numbers, source, log)
             if name == "t_s" and (kind in IN_TIME or numbers[0] > LONG_AFTER_S):  # of a computer, from 1970
                 numbers = numbers - numbers[0]
             values[name] = np.round(numbers, DECIMALS)
@@ -139,6 +143,15 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
         f"{note}; short gaps are bridged where rows are sampled again" for note in missing_note(mapping, log, names)
     ]
     return values
+
+
+def _check_sizes(numbers: Array, source: Source, log: LogFile) -> None:
+    """Refuse a column of which a number is too large in our unit."""
+    if len(large := np.flatnonzero(np.abs(numbers) > TOO_LARGE)):
+        row = int(large[0])
+        where, got = log.where(row), log.columns[source.column][row]
+        cure = "correct the cell, or the unit and the factor of the column"
+        raise InputError(f"column {source.column}: too large", where=where, got=got, cure=cure)
 
 
 def _trials(

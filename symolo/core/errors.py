@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 _LONGEST_VALUE = 60
 _LONGEST_WHAT = 300
+_LONGEST_ALLOWED = 1500
+"""A log may have thousands of columns, or names of thousands of characters."""
 _MAX_LISTED = 20
 """Number of faults that are listed; a damaged file may have thousands."""
 _UNPRINTABLE = re.compile(
@@ -39,7 +41,7 @@ class InputError(Exception):
         if got is not ...:
             head += f": got {shown(got)}"
         if allowed:
-            head += f"{';' if got is ... else ','} allowed: {allowed}"
+            head += f"{';' if got is ... else ','} allowed: {_shortened(allowed, _LONGEST_ALLOWED)}"
         self.field = what.partition(":")[0]
         self._parts = (what, where, got, allowed, nearest, cure)
         tail = [f"did you mean {nearest}"] if nearest else []

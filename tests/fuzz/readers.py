@@ -7,8 +7,8 @@ then reads the whole folder. `corpus/READER/valid` holds valid files, and `corpu
 import hashlib
 import io
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, suppress
+from collections.abc import Callable
+from contextlib import redirect_stderr, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,8 +36,7 @@ from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.progress import LineReport
 from symolo.core.tables.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
-from symolo.dataset.layout import STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, released_hashes, tag_manifest
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.dataset.pixels import decoded_bytes
 from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.tables.side_tables import CAMERA, POSITIONS_HEADER, TOF, WHEELS
@@ -46,10 +45,10 @@ from symolo.reader.dataset import load
 from symolo.signing.minisign import PublicKey, Signature
 from symolo.storage.download import Remote, download
 from symolo.verification.verify import verify
-from tests.fuzz import model_reader, rosbag_reader, shape_readers
+from tests.fuzz import dataset_documents, model_reader, named_files, rosbag_reader, shape_readers
+from tests.fuzz.folders import CORPUS, Folder, files, sealed, valid_copy
 from tests.fuzz.guard import Read
 
-CORPUS = Path(__file__).parent / "corpus"
 TABLES = (HEADER, WHEELS.header, TOF.header, CAMERA.header)
 
 
@@ -67,48 +66,6 @@ class Reader:
     def failed_once(self) -> list[bytes]:
         """Inputs that once failed."""
         return [path.read_bytes() for path in sorted((CORPUS / self.name).glob("*")) if path.is_file()]
-
-
-def _files(name: str) -> list[bytes]:
-    """Return the valid files of a reader as inputs that replace one of them."""
-    root = CORPUS / name / "valid"
-    paths = sorted(path for path in root.rglob("*") if path.is_file())
-    return [f"@{path.relative_to(root).as_posix()}\n".encode() + path.read_bytes() for path in paths]
-
-
-def valid_copy(name: str, place: Path) -> Path:
-    """Copy the valid files of a reader into a folder; a bag gets the dataset as its payload."""
-    root = Path(shutil.copytree(CORPUS / name / "valid", place / name))
-    if name == "bag":
-        shutil.copytree(CORPUS / "dataset" / "valid", root / "data", ignore=shutil.ignore_patterns(STAGES))
-    return root
-
-
-@dataclass(frozen=True)
-class _Folder:
-    """A copy of valid files of which one is replaced at a time."""
-
-    root: Path
-    files: tuple[Path, ...]
-
-    @classmethod
-    def of(cls, root: Path) -> "_Folder":
-        return cls(root, tuple(sorted(path for path in root.rglob("*") if path.is_file())))
-
-    @contextmanager
-    def replaced(self, data: bytes) -> Iterator[Path]:
-        """Yield the path of the replaced file; the file is as before at the end."""
-        line, _, content = data.partition(b"\n")
-        name = line.removeprefix(b"@").decode(errors="replace")
-        path = self.root / name
-        if path not in self.files:
-            path, content = self.files[0], data
-        before = path.read_bytes()
-        path.write_bytes(content)
-        try:
-            yield path
-        finally:
-            path.write_bytes(before)
 
 
 def _scenarios() -> list[bytes]:
@@ -135,7 +92,7 @@ def _scenario_reader(place: Path) -> Read:
 
 def _tables() -> list[bytes]:
     return [
-        content.partition(b"\n")[2] for content in _files("dataset") if b".csv\n" in content or b"positions" in content
+        content.partition(b"\n")[2] for content in files("dataset") if b".csv\n" in content or b"positions" in content
     ]
 
 
@@ -176,7 +133,7 @@ def _panoramas() -> list[bytes]:
     y, x = np.mgrid[0:8, 0:16]
     light = np.stack([x, y, x + y], axis=-1).astype(np.float32) + 1
     radiance = cv2.imencode(".hdr", light)[1].tobytes()
-    exr = [content.partition(b"\n")[2] for content in _files("panorama")]
+    exr = [content.partition(b"\n")[2] for content in files("panorama")]
     return [b"#?RADIANCE" + radiance[radiance.index(b"\n") :], *exr]
 
 
@@ -193,26 +150,16 @@ def _dataset_with_a_long_specification() -> bytes:
 
 def _dataset_reader(place: Path) -> Read:
     """Read a dataset with one other file, whose checksums fit, by the commands that read most of it."""
-    folder = _Folder.of(valid_copy("dataset", place))
+    folder = Folder.of(valid_copy("dataset", place))
     whole = Path(shutil.copytree(folder.root, place / "whole"))
-    lists = {name: (folder.root / name).read_bytes() for name in (MANIFEST, TAG_MANIFEST)}
 
     def read(data: bytes) -> None:
-        with folder.replaced(data) as path:
-            name = path.relative_to(folder.root).as_posix()
-            if STAGES not in path.parts and name not in lists:
-                hashes = released_hashes(folder.root)
-                (folder.root / MANIFEST).write_bytes(manifest(hashes))
-                (folder.root / TAG_MANIFEST).write_bytes(tag_manifest(hashes))
-            try:
-                list(map(str, verify(folder.root, spec_problem)))
-                status(folder.root)
-                if path.suffix not in {".jpg", ".png"}:  # a large one takes its time in each command
-                    list(compare(path, whole / name, 50.0))
-                _load(folder.root)
-            finally:
-                for list_name, content in lists.items():
-                    (folder.root / list_name).write_bytes(content)
+        with folder.replaced(data) as path, sealed(folder.root, path):
+            list(map(str, verify(folder.root, spec_problem)))
+            status(folder.root)
+            if path.suffix not in {".jpg", ".png"}:  # a large one takes its time in each command
+                list(compare(path, whole / path.relative_to(folder.root), 50.0))
+            _load(folder.root)
 
     return read
 
@@ -239,7 +186,7 @@ def _load(root: Path) -> None:
 
 def _bag_reader(place: Path) -> Read:
     """Read a bag with one other file, whose lists do not fit."""
-    folder = _Folder.of(valid_copy("bag", place))
+    folder = Folder.of(valid_copy("bag", place))
 
     def read(data: bytes) -> None:
         with folder.replaced(data):
@@ -327,7 +274,7 @@ def _serial_reader(_place: Path) -> Read:
 
 def _logs_reader(place: Path) -> Read:
     """Read a measured case or a log with one other file, and describe it."""
-    folder = _Folder.of(valid_copy("logs", place))
+    folder = Folder.of(valid_copy("logs", place))
 
     def read(data: bytes) -> None:
         with folder.replaced(data) as path:
@@ -355,7 +302,7 @@ def _trajectory_reader(place: Path) -> Read:
 
 
 def _signatures() -> list[bytes]:
-    return [content.partition(b"\n")[2] for content in _files("signature")]
+    return [content.partition(b"\n")[2] for content in files("signature")]
 
 
 def _signature_reader(place: Path) -> Read:
@@ -386,17 +333,22 @@ READERS = {
         Reader("table", _tables, _table_reader),
         Reader("image", _images, _image_reader, (ValueError,)),
         Reader("panorama", _panoramas, _panorama_reader, (ValueError,)),
-        Reader("dataset", lambda: _files("dataset"), _dataset_reader),
-        Reader("bag", lambda: _files("bag"), _bag_reader),
+        Reader("dataset", lambda: files("dataset"), _dataset_reader),
+        Reader("bag", lambda: files("bag"), _bag_reader),
         Reader("download", _manifests, _download_reader, (InputError, EnvironmentLacking)),
         Reader("serial", _streams, _serial_reader, ()),
-        Reader("logs", lambda: _files("logs"), _logs_reader),
+        Reader("logs", lambda: files("logs"), _logs_reader),
         Reader("trajectory", _trajectories, _trajectory_reader),
         Reader("signature", _signatures, _signature_reader, (ValueError,)),
         Reader("mesh", shape_readers.meshes, shape_readers.mesh_reader, (ValueError,)),
         Reader("drawing", shape_readers.drawings, shape_readers.drawing_reader),
         Reader("rosbag", rosbag_reader.bags, rosbag_reader.bag_reader),
         Reader("urdf", shape_readers.robots, shape_readers.robot_reader),
+        Reader("documents", dataset_documents.documents, dataset_documents.documents_reader),
+        Reader("code", dataset_documents.code_records, dataset_documents.code_reader),
+        Reader("named", named_files.named_files, named_files.named_reader),
+        Reader("mapping", named_files.mappings, named_files.mapping_reader),
+        Reader("photographs", named_files.photographs, named_files.photographs_reader),
         Reader("model", model_reader.models, model_reader.model_reader),
     )
 }

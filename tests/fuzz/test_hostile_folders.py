@@ -17,8 +17,9 @@ from symolo.reader.dataset import load
 from symolo.storage.download import Remote, download
 from symolo.storage.folder import Folder
 from symolo.verification.verify import verify
+from tests.fuzz.folders import valid_copy
 from tests.fuzz.guard import limits
-from tests.fuzz.readers import MemoryStore, valid_copy
+from tests.fuzz.readers import MemoryStore
 
 EMPTY = hashlib.sha256(b"").hexdigest()
 RUN = "CW/test_1"

@@ -12,9 +12,11 @@ import pytest
 
 from pipeline.run_folder.stored_spec import spec_problem
 from symolo.verification.verify import verify
+from tests.fuzz.dataset_documents import EXECUTED
+from tests.fuzz.folders import valid_copy
 from tests.fuzz.guard import TooSlowError, limits, outcome_of
 from tests.fuzz.mutations import mutated
-from tests.fuzz.readers import LONG, READERS, valid_copy
+from tests.fuzz.readers import LONG, READERS
 
 COUNTS = {
     "scenario": 12,
@@ -26,6 +28,10 @@ COUNTS = {
     "download": 100,
     "mesh": 80,
     "drawing": 60,
+    "documents": 20,
+    "code": 40,
+    "named": 12,
+    "photographs": 20,
 }
 """Changed inputs by reader; 200 of those that are not named here, which are quicker."""
 FORM = "the form of a dataset has changed: make the valid files again, with tests/fuzz/make_datasets.py"
@@ -43,6 +49,14 @@ def test_changed_files_are_read_or_refused(reader, tmp_path):
     assert {outcome.problem for outcome in outcomes} == {""}
     # Were a valid file refused, every changed one would be refused for the same reason.
     assert {outcome.refusal for outcome in outcomes[: len(valid)]} == {""}
+
+
+def test_code_of_a_dataset_that_is_executed_is_noticed(tmp_path, monkeypatch):
+    reader = READERS["code"]
+    read = reader.opened(tmp_path)
+    monkeypatch.setattr("tests.fuzz.dataset_documents.status", lambda _root: monkeypatch.setenv(EXECUTED, "executed"))
+    with limits():
+        assert outcome_of(read, reader.valid()[0], reader.refusals).problem.startswith("AssertionError")
 
 
 @pytest.mark.parametrize(("name", "data"), LONG.values(), ids=LONG)

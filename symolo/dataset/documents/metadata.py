@@ -22,13 +22,8 @@ from symolo.dataset.documents.origin import Origin
 from symolo.dataset.documents.record import Record, parsed_first
 from symolo.dataset.documents.rendering_record import RenderingRecord
 from symolo.dataset.documents.run_document import RunDocument, TofSection
-from symolo.dataset.documents.run_records import (
-    BoardRecord,
-    CameraRecord,
-    ControllerRecord,
-    RatesRecord,
-    StartRecord,
-)
+from symolo.dataset.documents.run_records import BoardRecord, CameraRecord, ControllerRecord, RatesRecord, StartRecord
+from symolo.dataset.documents.scenario_tree import ScenarioTree
 from symolo.dataset.documents.splits_record import SplitsRecord
 from symolo.dataset.layout import DATA
 from symolo.dataset.rates import period_beside_rows_s
@@ -256,7 +251,7 @@ class Metadata(Record):
         default_factory=dict, exclude_if=lambda sensors: not sensors
     )
     """Sensors of `robot.sensors` by name."""
-    scenario: dict[str, Any]
+    scenario: ScenarioTree
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: Annotated[list[RunRecord], FailFast()] = Field(min_length=1)
     failed_runs: Annotated[list[FailedRun], FailFast()]

@@ -692,3 +692,14 @@ def test_an_input_out_of_reach_is_named_with_its_row_in_the_log(unit, suspicion,
     message = rf"row 6: column true: as {unit} it gives distance_m 12; allowed: 0 to 10 m; {suspicion}repair or remove"
     with pytest.raises(InputError, match=message):
         measurement_of(written, mapping, "run")
+
+
+def test_a_number_that_is_too_large_in_our_unit_is_refused_with_its_row(log):
+    """1e308 cm, a billion times, are more metres than a number of 64 bits holds."""
+    text = drive(np.arange(0, 3, 0.05)).splitlines()
+    text[3] = ",".join("1e308" if place == 5 else cell for place, cell in enumerate(text[3].split(",")))
+    table = log("\n".join(text) + "\n")
+    mapping = propose(table).mapping
+    far = mapping.columns["x_m"].model_copy(update={"unit": "cm", "factor": 1e9})
+    with pytest.raises(InputError, match=r"run\.csv: row 4: column x: too large: got '1e308'"):
+        measured(table, mapping.model_copy(update={"columns": {**mapping.columns, "x_m": far}}))

@@ -79,3 +79,8 @@ def test_no_fault_is_no_error_and_one_fault_is_itself():
         raise InputError("a")
     with pytest.raises(InputError, match=r"^a$"):
         faults.check()
+
+
+def test_a_long_list_of_what_is_allowed_is_shortened():
+    """As the names of the columns of a log, which a stranger may have made as long as he likes."""
+    assert len(str(InputError("column", allowed="a" * 10_000, cure="look"))) < 2000

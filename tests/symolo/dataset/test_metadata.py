@@ -182,3 +182,25 @@ def test_of_many_faulty_runs_the_first_is_reported():
         Metadata.model_validate_json(json.dumps({"runs": 3 * [{"run": 1}], "failed_runs": 3 * [{"run": 1}]}))
     places = {fault["loc"][:2] for fault in raised.value.errors() if len(fault["loc"]) > 1}
     assert places == {("runs", 0), ("failed_runs", 0)}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"seed": float("nan")}, "scenario.*not finite"),
+        ({"robot": {"mass_kg": [1, {"a": float("-inf")}]}}, "scenario.*not finite"),
+        ({"arena": []}, "arena is no mapping"),
+        ({"arena": None}, "arena is no mapping"),
+        ({"looks": 5}, "looks is no mapping"),
+        ({"routes": 5}, "routes is no list of mappings"),
+        ({"routes": [5]}, "routes is no list of mappings"),
+    ],
+)
+def test_a_scenario_that_no_description_can_state_is_a_fault(change, message):
+    loaded = load_scenario("smoke")
+    specs = draw_all(loaded)
+    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    content = json.loads(describe(loaded.tree, specs, records, []).to_json())
+    content["scenario"] |= change
+    with pytest.raises(ValidationError, match=f"(?s){message}"):
+        Metadata.model_validate_json(json.dumps(content))
