@@ -6,7 +6,7 @@ needs no `kind`: `lidar: {...}`.
 
 import importlib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
@@ -181,6 +181,11 @@ class RobotSensors:
         return handler.resolve_ref_schema(handler(sensors_section().__pydantic_core_schema__))
 
 
+def _is_known(settings: dict[str, Any], name: str, known: Collection[str]) -> bool:
+    kind = settings.get("kind", name)
+    return isinstance(kind, str) and kind in known  # a file may hold anything
+
+
 def _members(value: object, *, known_only: bool) -> Iterator[tuple[str, SensorSettings | UnloadedSettings]]:
     section = sensors_section()
     if isinstance(value, dict):
@@ -195,7 +200,7 @@ def _members(value: object, *, known_only: bool) -> Iterator[tuple[str, SensorSe
                 name: settings
                 for name, settings in value.items()
                 if isinstance(settings, UnloadedSettings)
-                or (isinstance(settings, dict) and (settings.get(IS_LOGGED) or settings.get("kind", name) not in known))
+                or (isinstance(settings, dict) and (settings.get(IS_LOGGED) or not _is_known(settings, name, known)))
             }
             yield from ((name, UnloadedSettings.model_validate(settings)) for name, settings in unloaded.items())
             value = {name: settings for name, settings in value.items() if name not in unloaded}

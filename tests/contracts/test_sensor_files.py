@@ -131,6 +131,12 @@ class TestWithoutTheFile:
         ):
             listed_sensors(RunSpec.model_validate(content).robot)
 
+    @pytest.mark.parametrize("kind", [["feeler"], {"feeler": 1}, 5, None])
+    def test_a_kind_that_is_no_text_is_a_fault(self, text, kind):
+        content = json.loads(text)
+        content["robot"]["sensors"]["front"]["kind"] = kind
+        assert "kind: Input should be a valid string" in spec_problem(json.dumps(content))
+
     def test_settings_without_a_period_are_a_fault(self, text):
         content = json.loads(text)
         del content["robot"]["sensors"]["front"]["period_s"]
