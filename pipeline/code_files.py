@@ -19,6 +19,7 @@ from pipeline.run_folder.stored_spec import read_spec
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.new_folder import check_new, new_folder
+from symolo.core.files.plain_files import is_plain_file
 from symolo.dataset.documents.metadata import METADATA, read_metadata
 from symolo.dataset.layout import SPEC
 
@@ -58,7 +59,10 @@ def code_files(folder: Path, kind: RobotFiles) -> tuple[CodeFile, ...]:
             files = FILES.validate_python(stated)
         except ValidationError as error:
             what = f"robot.{kind.key}: {error.errors()[0]['msg']}"
-            raise InputError(what, where=str(folder / METADATA), cure="symolo verify lists the faults") from None
+            raise InputError(what, where=str(folder / METADATA), cure="`symolo verify` lists the faults") from None
+    elif is_plain_file(folder / METADATA):
+        cure = "`symolo verify` lists the faults"
+        raise InputError("is damaged, or has another format", where=str(folder / METADATA), cure=cure)
     else:
         files = list(_of_stages(folder, kind))
     return tuple({file.sha256: file for file in files}.values())

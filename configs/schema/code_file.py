@@ -7,12 +7,7 @@ from pydantic import Field, field_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from configs.schema.base import Fixed, Section, Slug, disagreement
-
-MAX_CHARACTERS = 200_000
-_REFUSED = r"\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069/\\:"
-"""Characters that control a terminal, turn the direction of a text, or lead to another folder or drive."""
-FILE_NAME = rf"^[^{_REFUSED}.][^{_REFUSED}]{{0,250}}\.py$"
-"""A name that leads nowhere else, for `symolo effect extract` and `sensor extract` write files of these names."""
+from symolo.dataset.documents.code_record import FILE_NAME, MAX_CHARACTERS
 
 
 class CodeFile(Section):

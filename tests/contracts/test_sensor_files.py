@@ -22,6 +22,7 @@ from sensors.build import listed_sensors
 from sensors.registry import SENSORS
 from symolo.core.errors import InputError
 from tests.contracts.test_own_sensor import TOY
+from tests.fuzz.folders import valid_copy
 
 ROBOT = """
 extends: nominal
@@ -232,3 +233,16 @@ def test_of_very_many_files_the_first_are_listed(robot, tmp_path):
     forget()
     *lines, more = code_file_lines(tmp_path / "data")
     assert (len(lines), more) == (20, "made with 980 further files of sensors; `symolo sensor extract` writes all")
+
+
+def test_a_record_in_the_description_that_no_file_can_have_is_a_fault(tmp_path, symolo, sign):
+    root = valid_copy("dataset", tmp_path)
+    content = json.loads((root / "metadata.json").read_bytes())
+    content["scenario"]["robot"]["sensor_files"] = [{"name": "feeler", "file": "a.py", "sha256": 64 * "0", "text": ""}]
+    (root / "metadata.json").write_text(json.dumps(content))
+    sign(root)
+    ended = symolo("verify", root)
+    assert (ended.code, "robot.sensor_files.0: " in ended.out) == (4, True)
+    ended = symolo("sensor", "extract", root, "--out", tmp_path / "out")
+    assert (ended.code, "metadata.json: is damaged" in ended.err) == (2, True)
+    assert not (tmp_path / "out").exists()

@@ -3,7 +3,9 @@
 import json
 from typing import Annotated, Any
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, ValidationError
+
+from symolo.dataset.documents.code_record import CODE_FILES, RECORDS
 
 
 def _checked(tree: dict[str, Any]) -> dict[str, Any]:
@@ -16,7 +18,21 @@ def _checked(tree: dict[str, Any]) -> dict[str, Any]:
     routes = tree.get("routes", [])
     if not isinstance(routes, list) or not all(isinstance(route, dict) for route in routes):
         raise ValueError("routes is no list of mappings")
+    for key in CODE_FILES:
+        _check_code(tree, key)
     return tree
+
+
+def _check_code(tree: dict[str, Any], key: str) -> None:
+    robot = tree.get("robot")
+    stated = robot.get(key) if isinstance(robot, dict) else None
+    if stated is None:
+        return
+    try:
+        RECORDS.validate_python(stated)
+    except ValidationError as error:
+        place = ".".join(map(str, ("robot", key, *error.errors()[0]["loc"])))
+        raise ValueError(f"{place}: {error.errors()[0]['msg']}") from None
 
 
 ScenarioTree = Annotated[dict[str, Any], AfterValidator(_checked)]

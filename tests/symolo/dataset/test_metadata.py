@@ -1,5 +1,6 @@
 """What metadata.json says of a run: limits as in the table, values in their own types, nothing of this machine."""
 
+import hashlib
 import json
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -20,6 +21,8 @@ from symolo.dataset.documents.rendering_record import ImageErrorRecord, LightPat
 from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.tables.rows import Rows
 from symolo.verification.run_checks import check_run
+
+CODE = {"name": "a", "file": "a.py", "sha256": hashlib.sha256(b"").hexdigest(), "text": ""}
 
 
 @dataclass(frozen=True)
@@ -194,6 +197,12 @@ def test_of_many_faulty_runs_the_first_is_reported():
         ({"looks": 5}, "looks is no mapping"),
         ({"routes": 5}, "routes is no list of mappings"),
         ({"routes": [5]}, "routes is no list of mappings"),
+        ({"robot": {"sensor_files": ["compass.py"]}}, "robot.sensor_files.0: "),
+        ({"robot": {"sensor_files": 5}}, "robot.sensor_files: "),
+        ({"robot": {"effect_files": [CODE | {"text": "other"}]}}, "robot.effect_files.0: .*SHA-256"),
+        ({"robot": {"effect_files": [CODE | {"file": "../a.py"}]}}, "robot.effect_files.0.file: "),
+        ({"robot": {"effect_files": [CODE | {"file": "a\u202e.py"}]}}, "robot.effect_files.0.file: "),
+        ({"robot": {"effect_files": [CODE, CODE | {"text": 200_001 * "#"}]}}, "robot.effect_files.1.text: .*200000"),
     ],
 )
 def test_a_scenario_that_no_description_can_state_is_a_fault(change, message):
