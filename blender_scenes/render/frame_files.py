@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
@@ -46,6 +45,8 @@ def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
     Raises:
         OSError: The image does not decode to its size, or the disk did not keep what was written.
     """
+    import cv2  # noqa: PLC0415 - takes long to load, and commands without images read only the form of the messages
+
     pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     if pixels is None or pixels.shape != (height_px, width_px, 3):
         raise OSError(f"{path}: is not the one written: it does not decode to {width_px} x {height_px} px")

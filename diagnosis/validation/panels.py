@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, finished, png
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 COLORS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, GREY, BLACK)
 DASHES = ("-", "--", "-.", ":", "-", "--", "-.", ":")
@@ -62,6 +63,8 @@ class Panel:
 
 def figure(title: str, panels: Sequence[Panel]) -> bytes:
     """Return a PNG with the panels in rows."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - takes half a second, and importers of logs load this module
+
     columns = min(COLUMNS, max(1, len(panels)))
     rows = max(1, -(-len(panels) // columns))
     drawn = Figure(figsize=(PANEL_SIZE_IN[0] * columns, PANEL_SIZE_IN[1] * rows), layout="constrained")
@@ -71,7 +74,7 @@ def figure(title: str, panels: Sequence[Panel]) -> bytes:
     return png(drawn)
 
 
-def _draw(axes: Axes, panel: Panel) -> None:
+def _draw(axes: "Axes", panel: Panel) -> None:
     axes.use_sticky_edges = False  # else a bar's lower end lies on the frame
     for place in panel.x_lines:
         axes.axvline(place, color=GREY, ls="--", lw=1)
@@ -89,7 +92,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     finished(axes, _literal(panel.title), panel.x_label, panel.y_label, legend=legend)
 
 
-def _draw_curve(axes: Axes, curve: Curve) -> None:
+def _draw_curve(axes: "Axes", curve: Curve) -> None:
     label = _literal(curve.label) or None
     if curve.kind == "area":
         axes.fill_between(np.asarray(curve.x), np.asarray(curve.y), curve.base, color=curve.color, label=label, lw=0)

@@ -4,9 +4,9 @@ import contextlib
 from pathlib import Path
 
 from pipeline.repair.repair_state import RUN_PARTS, RepairState
+from pipeline.run_folder.first_stage import TAKEN
 from pipeline.stages.assemble import METADATA_COPY
 from pipeline.stages.render import IMAGES
-from pipeline.stages.run_tables import TAKEN
 from pipeline.stages.simulate_runs import SPEC
 from symolo.core.files.atomic_files import make_folder, remove_folder, write_file
 from symolo.core.files.plain_files import FileKind, read_file

@@ -10,10 +10,11 @@ from typing import Any
 from configs.schema.scenario import RunSpec, SceneSpec
 from logs.trajectories.base import ReadSettings
 from pipeline.importing.imported_runs import ImportedDataset, ImportRequest, imported_dataset
+from pipeline.run_folder.first_stage import has_trajectory, is_external
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders
 from pipeline.run_folder.stored_spec import read_spec
 from pipeline.stages.cameras import logged_cameras
-from pipeline.stages.run_tables import ExternalRun, has_trajectory, is_external, tables
+from pipeline.stages.run_tables import ExternalRun, tables
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome
 from sensors.build import listed_sensors
 from symolo.core.errors import InputError

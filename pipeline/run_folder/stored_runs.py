@@ -3,8 +3,7 @@
 from pathlib import Path
 from zipfile import BadZipFile
 
-from pipeline.stages.run_tables import has_trajectory
-from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
+from pipeline.run_folder.first_stage import TRAJECTORY, has_trajectory, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import check_tree

@@ -10,8 +10,9 @@ from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.rules import BrokenRule
+from pipeline.run_folder.first_stage import read_recording
 from pipeline.stages.simulate import simulate
-from pipeline.stages.simulate_runs import read_recording, simulation_key
+from pipeline.stages.simulate_runs import simulation_key
 from pipeline.work.units import SimulateUnit
 from sensors.base import Reading, Sensor
 from symolo.core.files.scratch_folders import scratch_folder

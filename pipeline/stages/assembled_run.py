@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from configs.schema.scenario import SceneSpec
+from pipeline.run_folder.first_stage import TAKEN
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import processors
 from pipeline.stages.cameras import RunCamera, cameras_of, logged_cameras
 from pipeline.stages.rendering_facts import Rendered
-from pipeline.stages.run_tables import TAKEN, stage_has_images, stage_rows
+from pipeline.stages.run_tables import stage_has_images, stage_rows
 from pipeline.stages.simulate_runs import read_outcome
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_records import CameraRecord

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from configs.schema.scenario import RunSpec, SceneSpec
 from pipeline.assembly.scene_file import scene_file
+from pipeline.run_folder.first_stage import TAKEN, is_external, read_recording
 from pipeline.run_folder.workspace import StageFolder, input_key
 from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import image_seed
-from pipeline.stages.simulate_runs import OUTCOME, SPEC, TRAJECTORY, RunOutcome, read_recording, refresh_spec, spec_text
+from pipeline.stages.simulate_runs import OUTCOME, SPEC, RunOutcome, refresh_spec, spec_text
 from sensors.build import listed_sensors
 from symolo.arena.geometry import Arena
 from symolo.core.files.atomic_files import make_folder, write_file
@@ -23,9 +24,6 @@ from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv, obsta
 from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.dataset.tables.sensor_tables import ListedSensor, sensor_csv
 from symolo.dataset.tables.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
-
-TAKEN = "taken"
-"""Folder of the first stage with the tables of a trajectory that was not simulated here."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +53,6 @@ def write_external_run(run: ExternalRun, folder: StageFolder) -> None:
         write_file(partial / SPEC, spec_text(run.spec))
         folder.publish(partial, key)
     refresh_spec(folder, key, run.spec)
-
-
-def is_external(folder: Path) -> bool:
-    """Return whether the first stage of a run holds tables in the place of a simulation."""
-    return (folder / TAKEN).is_dir()
-
-
-def has_trajectory(folder: Path) -> bool:
-    """Return whether a folder is the finished first stage of a run."""
-    return (folder / TRAJECTORY).is_file() or is_external(folder)
 
 
 def stage_rows(folder: Path) -> Rows:

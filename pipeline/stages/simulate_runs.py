@@ -14,6 +14,7 @@ from hil.board_runner import BoardRunner, build_for, connected_board, counted, f
 from hil.loop import BoardEvent
 from physics.run.controller_runner import controller_class
 from pipeline.executors.base import Executor
+from pipeline.run_folder.first_stage import TRAJECTORY
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.run_warnings.observed_range import range_warnings
 from pipeline.run_warnings.simulated_run import planned_texts, run_warnings
@@ -27,7 +28,6 @@ from symolo.core.files.atomic_files import write_file
 from symolo.core.files.file_hashes import canonical_json
 from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report, plural
-from symolo.core.tables.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 from symolo.dataset.documents.metadata import FailedRun
@@ -43,7 +43,7 @@ FORMAT = 3
 """Version of the files of a simulation: from 2 on with the mean voltages of the wheels, from 3 on with a
 filter of the speed that does not hold it."""
 
-TRAJECTORY, OUTCOME = "trajectory.npz", "outcome.json"
+OUTCOME = "outcome.json"
 MAX_EVENTS = 1000
 
 
@@ -301,11 +301,6 @@ def spec_text(spec: SceneSpec) -> bytes:
 
 def read_outcome(path: Path) -> RunOutcome:
     return RunOutcome.model_validate_json(read_file(path / OUTCOME, FileKind.DOCUMENT))
-
-
-def read_recording(path: Path) -> Recording:
-    # All bytes are read first, because the unpacker would report a fault of the disk as a damaged archive.
-    return Recording.load(read_file(path / TRAJECTORY, FileKind.TRAJECTORY))
 
 
 def refresh_spec(folder: StageFolder, key: str, spec: SceneSpec) -> None:

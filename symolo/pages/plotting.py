@@ -6,13 +6,9 @@ Figures are made without pyplot, which has a global state and needs a display.
 import io
 from typing import TYPE_CHECKING
 
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
-
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from matplotlib.typing import LegendLocType
 
 # Okabe and Ito, "Color Universal Design" (2008). In a grey print, dashes and markers distinguish the lines.
@@ -30,16 +26,21 @@ COLOURS = (BLACK, ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE)
 RESOLUTION_DPI = 130
 
 
-def png(figure: Figure) -> bytes:
+def png(figure: "Figure") -> bytes:
     """Return the figure as PNG; the same figure gives the same bytes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - commands that only name a colour
+
     FigureCanvasAgg(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=RESOLUTION_DPI)
     return buffer.getvalue()
 
 
-def svg(figure: Figure) -> bytes:
+def svg(figure: "Figure") -> bytes:
     """Return the figure as SVG; the same figure gives the same bytes. Rasterised parts have `RESOLUTION_DPI`."""
+    from matplotlib import rc_context  # noqa: PLC0415 - as above
+    from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: PLC0415 - as above
+
     # Letters as shapes do not depend on the reader's fonts. Without a salt, the names of clip paths would be random.
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": "symolo", "path.simplify_threshold": 0.2}):
         FigureCanvasSVG(figure)
@@ -49,7 +50,7 @@ def svg(figure: Figure) -> bytes:
 
 
 def finished(
-    axes: Axes,
+    axes: "Axes",
     title: str,
     x: str,
     y: str,

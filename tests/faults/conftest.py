@@ -20,12 +20,13 @@ import pytest
 from blender_scenes.render.job_file import write_job
 from configs.draw import draw_all
 from configs.loader import load_scenario
+from pipeline.run_folder.first_stage import read_recording
 from pipeline.run_folder.stored_spec import spec_problem
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.cameras import cameras_of
 from pipeline.stages.render import RenderTask
-from pipeline.stages.simulate_runs import read_recording, simulate_into, simulation_key
+from pipeline.stages.simulate_runs import simulate_into, simulation_key
 from symolo.core.files.atomic_files import make_folder
 from symolo.core.files.file_hashes import sha256_of
 from symolo.core.progress import LineReport

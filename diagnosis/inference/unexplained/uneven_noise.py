@@ -9,7 +9,6 @@ between materials (Kruskal and Wallis, J. Am. Stat. Assoc. 47 (1952) 583) and co
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from scipy.stats import kruskal, spearmanr
 
 from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
@@ -60,11 +59,7 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
         times = _times(groups, widest)
         if min(times, _times(_groups(covariate, _beside_neighbours(z)), widest)) < TIMES:
             continue
-        p = float(kruskal(*groups.values()).pvalue)
-        if covariate.name != MATERIAL:
-            along = _along(covariate)
-            known = np.isfinite(z) & np.isfinite(along)
-            _, p = np.asarray(spearmanr(along[known], np.abs(z[known]))).tolist()
+        p = _probability(covariate, z, groups)
         yield Structure(
             observed=quantity.name,
             channel=quantity.channel,
@@ -77,6 +72,18 @@ def uneven_noise(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
             size=0.0,
             is_over_time=False,
         )
+
+
+def _probability(covariate: Covariate, z: Array, groups: Mapping[str, Array]) -> float:
+    """Return the probability that noise which is the same everywhere differs at least as much."""
+    from scipy.stats import kruskal, spearmanr  # noqa: PLC0415 - takes long to load, and few diagnoses come here
+
+    if covariate.name == MATERIAL:
+        return float(kruskal(*groups.values()).pvalue)
+    along = _along(covariate)
+    known = np.isfinite(z) & np.isfinite(along)
+    _, p = np.asarray(spearmanr(along[known], np.abs(z[known]))).tolist()
+    return p
 
 
 def _times(groups: Mapping[str, Array], widest: str) -> float:

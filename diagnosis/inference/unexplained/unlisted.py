@@ -14,7 +14,6 @@ from itertools import islice
 from math import exp
 
 import numpy as np
-from scipy.optimize import minimize
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.memoized import memoized
@@ -272,6 +271,8 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
 
 def _refined(evidence: Evidence, fit: HypothesisFit, fitted: FittedForm, weight: Array) -> FittedForm:
     """Return a bump with the middle and the width that lower the cost most."""
+    from scipy.optimize import minimize  # noqa: PLC0415 - takes long to load, and few diagnoses come here
+
     bump = fitted.form
     if not isinstance(bump, Bump):
         return fitted

@@ -15,15 +15,15 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from logs.drive import DRIVE_TABLE
 from logs.recognition import is_file
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
+from pipeline.run_folder.first_stage import TRAJECTORY
 from pipeline.run_folder.stored_runs import read_simulated, run_name, simulated_folders, tables_of
 from pipeline.run_folder.stored_spec import read_spec
-from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.tables.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.documents.metadata import METADATA, read_metadata
-from symolo.dataset.layout import DATA, SIDE
+from symolo.dataset.layout import DATA, SIDE, SPEC
 from symolo.dataset.tables.rows import RANGES, Rows, read_rows
 from symolo.dataset.tables.side_reading import read_side
 from symolo.dataset.tables.side_tables import TOF, WHEELS

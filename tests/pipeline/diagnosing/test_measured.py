@@ -11,6 +11,7 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
+from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind
@@ -200,3 +201,25 @@ def test_help_loads_neither_engine_nor_numbers():
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert "nominal.yaml" in ended.stdout
     assert set(ended.stderr.split()).isdisjoint({"pybullet", "bpy", "matplotlib", "scipy"})
+
+
+def test_a_case_is_read_without_plots_images_and_fits():
+    case = EXAMPLES / "motor_step_001"
+    program = (
+        f"import sys, pipeline.cli; code = pipeline.cli.main(['inspect', {str(case)!r}]); "
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr); sys.exit(code)"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert "u_cmd_V" in ended.stdout
+    assert set(ended.stderr.split()).isdisjoint({"pybullet", "bpy", "cv2", "matplotlib", "scipy"})
+
+
+def test_a_diagnosis_loads_only_the_parts_of_scipy_that_every_diagnosis_needs():
+    program = (
+        "import sys, pipeline.work.worker_main, pipeline.diagnosing.diagnose, diagnosis.diagnose, "
+        "diagnosis.report.files; print(*sys.modules)"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = set(ended.stdout.split())
+    assert "scipy.special" in loaded
+    assert loaded.isdisjoint({"cv2", "scipy.optimize", "scipy.stats", "scipy.signal", "blender_scenes.scene.run_scene"})

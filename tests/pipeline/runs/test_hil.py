@@ -17,8 +17,9 @@ from hil.links.lockstep import LockstepLink
 from hil.links.pty_board import PtyBoard
 from hil.loop import LoopSettings
 from physics.run.controller_runner import InProcessRunner
+from pipeline.run_folder.first_stage import read_recording
 from pipeline.stages.simulate import simulate
-from pipeline.stages.simulate_runs import read_outcome, read_recording, simulate_into
+from pipeline.stages.simulate_runs import read_outcome, simulate_into
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
@@ -111,6 +110,8 @@ def with_last_result(law: Law) -> Law:
 
 def fitted_ball(law: Law, places_mm: Array, reading_mm: Array) -> Ball:
     """Return the ball whose readings at places (P, 2) are nearest to those measured (P,), by least squares."""
+    from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to load, and only scans need it
+
     law = with_last_result(law)
     nearest = float(reading_mm.min())
     x_mm, y_mm = places_mm[reading_mm < nearest + 0.3 * INNER_MM].mean(axis=0).tolist()
