@@ -23,6 +23,8 @@ MIN_TRIALS = 5
 BLOCK_S = 2.0
 BLOCK_ROWS = 10
 RESAMPLINGS = 400
+CACHED_NUMBERS = 2**15
+"""Numbers of an array that fits into the cache of a processor; larger ones take longer for each number."""
 _SEED = 20_26
 
 
@@ -155,14 +157,16 @@ def _redrawn_squares(sizes: Array, blocks: NDArray[np.int64], generator: np.rand
         generator: Random numbers of the draws.
     """
     names, block_of = np.unique(blocks, return_inverse=True)
-    orders = np.argsort(sizes, axis=1, kind="stable")
+    drawn = generator.integers(len(names), size=(RESAMPLINGS, len(names)))
+    times_drawn = np.stack([np.bincount(draw, minlength=len(names)) for draw in drawn])
+    counts = np.array([_count(rows) for rows in (times_drawn @ np.bincount(block_of)).tolist()])
+    at_once = max(1, CACHED_NUMBERS // max(1, len(block_of)))
     squares = np.empty((2, RESAMPLINGS))
-    for k in range(RESAMPLINGS):
-        times_drawn = np.bincount(generator.integers(len(names), size=len(names)), minlength=len(names))[block_of]
-        count = _count(int(times_drawn.sum()))
-        for model, (size, order) in enumerate(zip(sizes, orders, strict=True)):
-            times = times_drawn[order]
-            within = np.clip(count - (np.cumsum(times) - times), 0, times)
+    for model, order in enumerate(np.argsort(sizes, axis=1, kind="stable")):
+        square, block = sizes[model, order] ** 2, block_of[order]
+        for first in range(0, RESAMPLINGS, at_once):
+            some = slice(first, first + at_once)
             # A row that was drawn several times counts as often, up to the number of rows that count.
-            squares[model, k] = within @ size[order] ** 2 / count
-    return squares
+            rows_until = np.minimum(np.cumsum(times_drawn[some][:, block], axis=1), counts[some, None])
+            squares[model, some] = [times @ square for times in np.diff(rows_until, axis=1, prepend=0)]
+    return squares / counts

@@ -246,6 +246,8 @@ class _Tangents:
         """(N,), residuals in sigmas, which are not clipped."""
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
+        self._rows: dict[int, tuple[NDArray[np.intp], Array]] = {}
+        """Samples of a quantity that were tested last, and the rows of `_basis` at them, by number of the quantity."""
         residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
         self.residuals = residuals - self._basis @ (self._basis.T @ residuals)
         """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
@@ -255,15 +257,15 @@ class _Tangents:
 
         `runs` are the places among them at which a row begins, or a run of outliers that are one mistake of the logger.
         """
-        columns = basis.columns * self._root[inside, None]
-        taken = self._basis[inside].T @ columns
+        columns, tangents = basis.columns * self._root[inside, None], self._tangents_at(number, inside)
+        taken = tangents.T @ columns
         combined = beyond(columns, taken)
         k = combined.shape[1]
         if k == 0:
             return 1.0, 0.0
         residuals = self.residuals[inside]
         along = combined.T @ (columns.T @ residuals)
-        free = columns @ combined - self._basis[inside] @ (taken @ combined)
+        free = columns @ combined - tangents @ (taken @ combined)
         outside = residuals - free @ along
         explained = float(along @ along) / self._more_noise(number, inside, free)
         # Inside the span of a smooth function, correlated noise has (1 + p)/(1 - p) times the squares of independent
@@ -275,6 +277,12 @@ class _Tangents:
         if basis.what != RUNS_OF_OUTLIERS:
             explained /= _more_squares(free * outside[:, None], runs)
         return f_test(explained, level, k, degrees), gain
+
+    def _tangents_at(self, number: int, inside: NDArray[np.intp]) -> Array:
+        """Return the rows of the basis of all parameters at samples of a quantity, of which thousands are tested."""
+        if self._rows.get(number, (None,))[0] is not inside:
+            self._rows[number] = inside, self._basis[inside]
+        return self._rows[number][1]
 
     def _more_noise(self, number: int, inside: NDArray[np.intp], functions: Array) -> float:
         """Return the squares of the noise inside the span of functions, relative to independent noise; at least 1.

@@ -45,7 +45,7 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
             residual_panel(panel, covariate, z, observed.holdout, colour, shared)
         sizes = np.abs(z[np.isfinite(z)])
         error = trimmed_rms(sizes) if len(sizes) else float("nan")
-        panel.set_title(f"{name}: {error:.3g} σ", fontsize="medium")
+        panel.set_title(f"{name}: {error:.3g} σ", fontsize="medium", y=1.0)
     if covariate is None or covariate.second is None:
         axes[1].set_ylabel("measured - predicted [σ]")
     return png(figure)
