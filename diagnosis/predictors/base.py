@@ -107,6 +107,19 @@ class InputResponse:
 
 
 @dataclass(frozen=True)
+class SharedFunctions:
+    """Functions of a covariate that all quantities of a stage share, and how one quantity responds to them."""
+
+    covariate: str
+    """Name of the covariate."""
+    what: str
+    """Description for reports, such as `patches`."""
+    responses: Callable[[], Array] = field(compare=False, repr=False)
+    """Function that returns the changes (n, k) of the prediction by each function, in any unit that the quantities
+    share."""
+
+
+@dataclass(frozen=True)
 class Observed:
     """One measured quantity that a stage predicts, with n samples in the order of trials and time."""
 
@@ -147,6 +160,9 @@ class Observed:
     """What the samples are, in the plural: the rows of the log, a part of them, or windows of several rows."""
     input_errors: tuple[InputResponse, ...] = ()
     """Possible errors of the input; all quantities of a stage have the same ones in the same order."""
+    shared_functions: tuple[SharedFunctions, ...] = ()
+    """Functions against which all quantities of a stage are tested together; all have the same ones in the same
+    order."""
     numbers_may_drift: bool = False
     """Whether drifts of the nominal numbers over the session compete with the effects."""
     count_noise: CountNoise | None = field(default=None, compare=False, repr=False)

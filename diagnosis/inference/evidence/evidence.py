@@ -171,6 +171,11 @@ class Evidence:
         others.values = others.compared(self.readings)
         return others
 
+    def whitened_part(self, number: int, changes: Array) -> Array:
+        """Return changes (n, k) of the readings of one quantity as those of its samples."""
+        whitening = self.whitenings[number]
+        return changes if whitening is None else whitening.of(changes.T).T
+
     def unwhitened(self, number: int, residuals: Array) -> Array:
         """Return residuals (n,) of the samples of one quantity in sigmas as those of its readings."""
         whitening = self.whitenings[number]

@@ -8,17 +8,15 @@ the share outside, has the F distribution if the model is adequate, whatever the
 tests are combined by Bonferroni.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, moved
-from diagnosis.inference.fitting.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import (
     OUTLIERS_IN_A_ROW,
     RUNS_OF_OUTLIERS,
@@ -27,9 +25,10 @@ from diagnosis.inference.unexplained.bases import (
     bases,
     standing_out,
 )
-from diagnosis.inference.unexplained.outlier_clusters import APART, beginnings, cluster, wild
+from diagnosis.inference.unexplained.outlier_clusters import APART, begins, cluster, wild
+from diagnosis.inference.unexplained.score_test import CLIP, ScoreTest
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import ROW_TIME, Covariate
+from diagnosis.predictors.base import ROW_TIME, Covariate, SharedFunctions
 from symolo.core.arrays import Array
 
 LEVEL = 0.001
@@ -37,10 +36,10 @@ LEVEL = 0.001
 MIN_ROWS = 8
 """Smallest number of rows of a quantity that is tested."""
 CLUSTER = "outliers at neighbouring values"
-REWEIGHTINGS = 6
-"""Iterations of the weights for outliers."""
-CLIP = 3.0
-"""Residual in sigmas at which it is clipped."""
+ROWS_PER_FUNCTION = 8
+"""Smallest number of rows for each function that the quantities of a stage share."""
+SMALL_CHANGE = 0.01
+"""Share of the largest change by such functions, up to which a row counts as not changed."""
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
@@ -130,12 +129,13 @@ class Adequacy:
 
 def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None) -> Adequacy:
     """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
-    tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
+    score_test = ScoreTest(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     structures: list[Structure] = []
     for number, rows in enumerate(evidence.fit[place] for place in evidence.places):
         if np.count_nonzero(rows) >= MIN_ROWS:
-            structures += _functions_of(evidence, fit, tangents, number)
-            structures += _clusters(evidence, tangents, number)
+            structures += _functions_of(evidence, fit, score_test, number)
+            structures += _clusters(evidence, score_test, number)
+    structures += _shared_functions(evidence, fit, score_test)
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
     row_forms = (RUNS_OF_ROWS, RUNS_OF_OUTLIERS, CLUSTER)
@@ -145,17 +145,17 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
     return Adequacy(tuple(sorted(structures, key=lambda s: (s.p, -s.explainable))))
 
 
-def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents", number: int) -> Iterator[Structure]:
+def _functions_of(evidence: Evidence, fit: HypothesisFit, score_test: ScoreTest, number: int) -> Iterator[Structure]:
     """Yield the best function of each covariate of a quantity, and the runs of its rows that stand out most."""
     quantity, place, level = evidence.observed[number], evidence.places[number], float(fit.noise.levels[number])
     rows = evidence.fit[place]
     inside = np.arange(place.start, place.stop)[rows]
-    wild_rows = wild(tangents.z[inside], quantity.trial[rows])
-    runs = beginnings(wild_rows) if quantity.is_series else np.arange(len(inside))
+    wild_rows = wild(score_test.z[inside], quantity.trial[rows])
+    runs = _independent(evidence, score_test, [number])
     session = any(covariate.name == "session_time_s" for covariate in quantity.covariates)
     along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
     along += [
-        (rank, covariate, standing_out(tangents.residuals[inside], quantity.trial[rows], wild_rows, what))
+        (rank, covariate, standing_out(score_test.residuals[inside], quantity.trial[rows], wild_rows, what))
         for rank, covariate, _ in along
         for what in (RUNS_OF_ROWS, RUNS_OF_OUTLIERS)
         # What a voltage did before it was logged lasts for some rows, so that a run of rows is no sign of a cause.
@@ -165,7 +165,7 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
     for rank, covariate, functions in along:
         best: Structure | None = None
         for basis in functions:
-            p, gain = tangents.test(number, inside, basis, runs)
+            p, gain = score_test.test(number, inside, basis, runs)
             p = min(1.0, p * basis.tries) if gain * level**2 >= MATERIAL else 1.0
             if best is None or p < best.p:
                 columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
@@ -188,12 +188,80 @@ def _functions_of(evidence: Evidence, fit: HypothesisFit, tangents: "_Tangents",
             yield best
 
 
-def _clusters(evidence: Evidence, tangents: "_Tangents", number: int) -> Iterator[Structure]:
+def _shared_functions(evidence: Evidence, fit: HypothesisFit, score_test: ScoreTest) -> Iterator[Structure]:
+    """Yield the best functions that all quantities of a stage share.
+
+    One cause in several quantities is seen where it is not significant in any of them.
+    """
+    first = 0
+    for stage in evidence.stages:
+        numbers = range(first, first + len(stage.observed))
+        first += len(stage.observed)
+        choices = list(zip(*(observed.shared_functions for observed in stage.observed), strict=True))
+        inside = np.flatnonzero(evidence.fit & np.isin(evidence.quantity, numbers))
+        level = min(float(fit.noise.levels[number]) for number in numbers)
+        runs = _independent(evidence, score_test, numbers)
+        best: Structure | None = None
+        for shared in choices if len(inside) >= MIN_ROWS else ():
+            responses = [evidence.whitened_part(k, each.responses()) for k, each in zip(numbers, shared, strict=True)]
+            columns = np.zeros((len(evidence.values), responses[0].shape[1]))
+            for number, response in zip(numbers, responses, strict=True):
+                columns[evidence.places[number]] = response
+            columns = np.where(evidence.fit[:, None], columns / fit.sd[:, None], 0.0)
+            columns = columns[:, _enough_rows(columns)]
+            if columns.shape[1] == 0 or ROWS_PER_FUNCTION * columns.shape[1] > len(inside):
+                continue
+            p, gain = score_test.test(numbers[0], inside, Basis(columns[inside], shared[0].what), runs)
+            p = min(1.0, p * len(choices)) if gain * level**2 >= MATERIAL else 1.0
+            if best is None or p < best.p:
+                best = _shared_structure(evidence, numbers, shared[0], columns, p, gain)
+        if best is not None:
+            yield best
+
+
+def _independent(evidence: Evidence, score_test: ScoreTest, numbers: Sequence[int]) -> NDArray[np.intp]:
+    """Return the places, among the samples of quantities, at which a row begins or a run of outliers of one mistake."""
+    starts = []
+    for number in numbers:
+        quantity, place = evidence.observed[number], evidence.places[number]
+        rows = evidence.fit[place]
+        is_wild = wild(score_test.z[place][rows], quantity.trial[rows]) & quantity.is_series
+        starts.append(begins(is_wild))
+    return np.flatnonzero(np.concatenate(starts))
+
+
+def _enough_rows(columns: Array) -> Mask:
+    """Return the columns (k,) that change enough rows."""
+    size = np.abs(columns)
+    return np.asarray(np.count_nonzero(size > SMALL_CHANGE * size.max(initial=0.0), axis=0) >= MIN_ROWS)
+
+
+def _shared_structure(  # noqa: PLR0917 - a set of functions, and the result of its test
+    evidence: Evidence, numbers: range, shared: SharedFunctions, columns: Array, p: float, gain: float
+) -> Structure:
+    """Return the structure by shared functions, of the first quantity of their stage."""
+    observed = evidence.observed[numbers[0]]
+    rows = evidence.fit & np.isin(evidence.quantity, numbers)
+    return Structure(
+        observed=observed.name,
+        channel=observed.channel,
+        covariate=shared.covariate,
+        what=shared.what,
+        p=p,
+        explainable=gain,
+        rank=[covariate.name for covariate in observed.covariates].index(shared.covariate),
+        basis=columns,
+        size=float(np.sqrt(gain / evidence.weight[rows].sum())),
+        is_over_time=False,
+    )
+
+
+def _clusters(evidence: Evidence, score_test: ScoreTest, number: int) -> Iterator[Structure]:
     """Yield the outliers of a quantity that gather along each covariate, where there are any."""
     quantity, place = evidence.observed[number], evidence.places[number]
     # Outliers are readings. What a motor does for a row lasts longer in its speed, unlike an error of the logger.
     rows, whitening = evidence.fit[place], evidence.whitenings[number]
-    z = evidence.unwhitened(number, tangents.z[place])
+    z = evidence.unwhitened(number, score_test.z[place])
     # A speed may scatter more than stated, by a larger torque, whose errors neighbours have in common.
     z = z if whitening is None else z / max(whitening.level, 1.0)
     for rank, covariate in enumerate(quantity.covariates):
@@ -233,118 +301,6 @@ def may_be_of_logger(rows: Mask, max_runs: int = 1) -> bool:
     places = np.flatnonzero(rows)
     runs = [places] if max_runs == 1 else np.split(places, 1 + np.flatnonzero(np.diff(places) > APART))
     return len(runs) <= max_runs and max(int(run[-1] - run[0]) + 1 for run in runs) <= OUTLIERS_IN_A_ROW
-
-
-class _Tangents:
-    """Directions of all fitted parameters, with rows for the priors."""
-
-    def __init__(self, evidence: Evidence, fit: HypothesisFit, beside: Array) -> None:
-        self._evidence = evidence
-        self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
-        z, x = _moved_beside(fit, beside)
-        self.z = z
-        """(N,), residuals in sigmas, which are not clipped."""
-        padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
-        self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
-        self._rows: dict[int, tuple[NDArray[np.intp], Array]] = {}
-        """Samples of a quantity that were tested last, and the rows of `_basis` at them, by number of the quantity."""
-        residuals = replace(fit, x=x).weighted_residuals(np.clip(z, -CLIP, CLIP), self._root)
-        self.residuals = residuals - self._basis @ (self._basis.T @ residuals)
-        """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
-
-    def test(self, number: int, inside: NDArray[np.intp], basis: Basis, runs: NDArray[np.intp]) -> tuple[float, float]:
-        """Return the p-value of a basis over samples `inside` of a quantity, and the fall of the cost beyond chance.
-
-        `runs` are the places among them at which a row begins, or a run of outliers that are one mistake of the logger.
-        """
-        columns, tangents = basis.columns * self._root[inside, None], self._tangents_at(number, inside)
-        taken = tangents.T @ columns
-        combined = beyond(columns, taken)
-        k = combined.shape[1]
-        if k == 0:
-            return 1.0, 0.0
-        residuals = self.residuals[inside]
-        along = combined.T @ (columns.T @ residuals)
-        free = columns @ combined - tangents @ (taken @ combined)
-        outside = residuals - free @ along
-        explained = float(along @ along) / self._more_noise(number, inside, free)
-        # Inside the span of a smooth function, correlated noise has (1 + p)/(1 - p) times the squares of independent
-        # noise. The weight in `explained` corrects that. The level is that of single rows, without the weight.
-        weight = float(self._evidence.weight[inside[0]])
-        degrees = max(1, len(inside) - k - 1)
-        level = float(outside @ outside) / weight / degrees
-        gain = max(0.0, explained - k * level)
-        if basis.what != RUNS_OF_OUTLIERS:
-            explained /= _more_squares(free * outside[:, None], runs)
-        return f_test(explained, level, k, degrees), gain
-
-    def _tangents_at(self, number: int, inside: NDArray[np.intp]) -> Array:
-        """Return the rows of the basis of all parameters at samples of a quantity, of which thousands are tested."""
-        if self._rows.get(number, (None,))[0] is not inside:
-            self._rows[number] = inside, self._basis[inside]
-        return self._rows[number][1]
-
-    def _more_noise(self, number: int, inside: NDArray[np.intp], functions: Array) -> float:
-        """Return the squares of the noise inside the span of functions, relative to independent noise; at least 1.
-
-        Two samples with a reading of opposite signs add up along a wave of which they are half a cycle apart.
-
-        Args:
-            number: Number of the quantity.
-            inside: Its samples in the fit.
-            functions: (n, k), orthonormal functions over these samples.
-        """
-        quantity, first = self._evidence.observed[number], self._evidence.places[number].start
-        if quantity.shared is None:
-            return 1.0
-        whole = np.zeros((len(quantity.values), functions.shape[1]))
-        whole[inside - first] = functions
-        later = quantity.shared.later
-        together = quantity.trial[later:] == quantity.trial[:-later]
-        products = (whole[:-later] * whole[later:]).sum(axis=1) * together
-        shared = float(products @ quantity.shared.correlation[:-later])
-        return max(1.0, 1.0 + 2.0 * shared / functions.shape[1])
-
-
-def _more_squares(products: Array, runs: NDArray[np.intp]) -> float:
-    """Return by which factor runs of outliers scatter more along functions than independent rows; at least 1.
-
-    The errors within a run add up, and runs are independent (Liang and Zeger, Biometrika 73 (1986) 13-22).
-
-    Args:
-        products: (n, k), functions times residuals.
-        runs: Places at which a row or a run begins.
-    """
-    return max(1.0, float((np.add.reduceat(products, runs) ** 2).sum()) / max(float((products**2).sum()), 1e-300))
-
-
-def f_test(explained: float, level: float, functions: int, degrees: float) -> float:
-    """Return the probability that chance explains as much as some functions do, by the F distribution.
-
-    Args:
-        explained: Squares inside the span of the functions, each weighted by the independent samples it is worth.
-        level: Mean square outside the span, which estimates the variance of the noise, whatever it is.
-        functions: Number of independent functions.
-        degrees: Degrees of freedom of `level`.
-    """
-    return float(fdtrc(functions, degrees, explained / functions / max(level, 1e-12)))
-
-
-def _moved_beside(fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
-    """Return residuals (N,) and coordinates (P,) of a fit after a joint linear fit of columns (N, k) and coordinates.
-
-    Outliers are reweighted.
-    """
-    z, x = fit.z, fit.x
-    # With the columns, samples that were outliers may fit, and others may become outliers.
-    for _ in range(REWEIGHTINGS if columns.shape[1] else 0):
-        root = fit.root_weights(z)
-        padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
-        both = np.concatenate([padded, fit.tangents(root)], axis=1)
-        solved = np.linalg.lstsq(both, fit.weighted_residuals(fit.z, root), rcond=1e-10)[0]
-        z = fit.z - np.concatenate([columns, fit.slopes.T], axis=1) @ solved
-        x = fit.x + solved[columns.shape[1] :]
-    return z, x
 
 
 def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Array:

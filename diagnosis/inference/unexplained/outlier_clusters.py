@@ -98,9 +98,9 @@ def wild(z: Array, trial: NDArray[np.int64]) -> Mask:
     return rows
 
 
-def beginnings(wild_rows: Mask) -> NDArray[np.intp]:
-    """Return the places at which a row begins, or a run of successive wild rows."""
-    return np.flatnonzero(~(wild_rows & np.append(False, wild_rows[:-1])))
+def begins(wild_rows: Mask) -> Mask:
+    """Return the rows (n,) that are not wild or begin a run of successive wild rows."""
+    return ~(wild_rows & np.append(False, wild_rows[:-1]))
 
 
 def _sides(z: Array) -> Array:

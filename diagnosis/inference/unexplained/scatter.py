@@ -13,7 +13,8 @@ from scipy.special import chdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import HypothesisFit
-from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
+from diagnosis.inference.unexplained.adequacy import LEVEL, Adequacy, Structure
+from diagnosis.inference.unexplained.score_test import CLIP
 from diagnosis.inference.unexplained.uneven_noise import uneven_noise
 from symolo.core.arrays import Array
 

@@ -125,12 +125,25 @@ class CountNoise:
         """Standard deviation by the random torque, if a speed has the stated noise."""
         return float(self.torques(1.0, 1.0, 1)[0])
 
+    def response(self, loads: Array) -> Array:
+        """Return the changes (n, k) of mean speeds by loads (n, k), each as the speed to which it leads in the end."""
+        keep = np.where(self.goes_on, self.keep, 0.0)
+        lag = np.stack([np.ones_like(keep), np.append(-keep[1:], 0.0)])
+        ends = np.asarray(solve_banded((1, 0), lag, (1.0 - self.keep) * loads))
+        before = np.where(self.goes_on[:, None], np.concatenate([np.zeros_like(ends[:1]), ends[:-1]]), 0.0)
+        return self._mean_share * before + (1.0 - self._mean_share) * loads
+
+    @property
+    def _mean_share(self) -> float:
+        """Mean share of its speed at the beginning of a row that a motor keeps in the row."""
+        return float((self.keep - 1.0) / np.log(self.keep))
+
     def whitening(self, torque: float) -> Whitening:
         """Return the filter if a random torque gives speeds this standard deviation."""
         keep = np.where(self.goes_on, self.keep, 0.0)
         on = self.goes_on[1:]
         # A torque that is constant for a row moves the speed at its end by 1 - keep, and its mean by 1 - share.
-        share = (self.keep - 1.0) / np.log(self.keep)
+        share = self._mean_share
         ends = (1.0 - self.keep) / (1.0 + self.keep)
         variance = share**2 * ends + (1.0 - share) ** 2
         next_to = share * (self.keep * share * ends + (1.0 - self.keep) * (1.0 - share)) / variance

@@ -10,10 +10,18 @@ import numpy as np
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.case_files.case_format import POSE
 from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.zero_order_hold import held_means
-from diagnosis.predictors.base import Covariate, CovariateShape, InputResponse, Observed, Predicted
+from diagnosis.predictors.base import (
+    Covariate,
+    CovariateShape,
+    InputResponse,
+    Observed,
+    Predicted,
+    SharedFunctions,
+)
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import (
@@ -37,6 +45,7 @@ from diagnosis.predictors.wheels.early_voltages import (
     shaped,
     steps_s,
 )
+from diagnosis.predictors.wheels.floor_loads import floor_loads
 from diagnosis.predictors.wheels.row_lengths import row_lengths_s
 from diagnosis.predictors.wheels.turning_loads import TURNING, turning_loads
 from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
@@ -111,13 +120,17 @@ class Wheels:
         )
         turning = _turning(nominal, commanded)
         keep_shares = self._keep_shares(nominal)
-        self.observed: tuple[Observed, ...] = tuple(
+        wheels = [
             replace(
                 each,
                 count_noise=self._count_noise(each, keep),
                 covariates=(*each.covariates, replace(turning, size=np.sign(np.nan_to_num(speed)))),
             )
             for each, keep, speed in zip(observed, keep_shares, commanded, strict=True)
+        ]
+        floor = self._floor_loads(measurement, nominal, speeds, wheels)
+        self.observed: tuple[Observed, ...] = tuple(
+            replace(each, shared_functions=loads) for each, loads in zip(wheels, floor, strict=True)
         )
 
     def _measured_rows(self, measurement: Measurement) -> MeasuredRows:
@@ -208,6 +221,18 @@ class Wheels:
             tuple(InputResponse(TURNING, what, change) for (what, _), change in zip(loads, changes, strict=True))
             for changes in self._changes(nominal, loaded_V)
         )
+
+    def _floor_loads(
+        self, measurement: Measurement, nominal: RobotConfig, speeds: Sequence[Array], wheels: Sequence[Observed]
+    ) -> tuple[tuple[SharedFunctions, ...], ...]:
+        """Return the responses of the left and the right wheel to friction that depends on the place."""
+        poses = np.stack([good_values(measurement, name) for name in POSE], axis=-1)
+        goes_on = np.zeros(len(poses), dtype=bool)
+        goes_on[self._first] = True
+        signs = [np.sign(np.nan_to_num(speed)) for speed in speeds]
+        noises = [each.count_noise for each in wheels if each.count_noise is not None]
+        loads = tuple(floor_loads(poses, nominal.drive.track_m, signs, noises, goes_on))
+        return tuple(zip(*loads, strict=True)) if loads else ((), ())
 
     def _changes(self, nominal: RobotConfig, voltages_V: Array) -> Array:
         """Return the changes (2, M, n) of the speeds of the left and the right wheel by voltages (T parts, M, N, 2)."""

@@ -163,3 +163,17 @@ class _Wheel:
 def _speeds(voltages, late_s, lag_s):
     wheel = _Wheel(voltages[0].shape[0], late_s, lag_s)
     return np.array([wheel.mean_speed(voltage, 0.0) for voltage in voltages])
+
+
+def test_a_load_that_begins_with_a_row_slows_the_means_as_a_first_order_lag_does():
+    """The mean of 1 - exp(-t / lag) over the row from k to k + 1 lags is 1 - (1 - 1/e) exp(-k)."""
+    noise = CountNoise.of(np.full(8, 0.1), np.arange(8) > 0, np.ones(8, dtype=bool), np.exp(-1.0), 0.2)
+    load = (np.arange(8) >= 2).astype(float)
+    expected = np.where(load > 0.0, 1.0 - (1.0 - np.exp(-1.0)) * np.exp(2.0 - np.arange(8)), 0.0)
+    np.testing.assert_allclose(noise.response(load[:, None])[:, 0], expected, atol=1e-12)
+
+
+def test_a_load_says_nothing_of_the_rows_after_a_gap():
+    goes_on = np.arange(6) != 3
+    noise = CountNoise.of(np.full(6, 0.1), goes_on, np.ones(6, dtype=bool), 0.5, 0.2)
+    assert not noise.response(np.eye(6)[:, 2:3])[3:].any()

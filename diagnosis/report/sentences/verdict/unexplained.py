@@ -7,6 +7,7 @@ from diagnosis.inference.unexplained.bases import RUNS_OF_OUTLIERS, RUNS_OF_ROWS
 from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
+from diagnosis.predictors.wheels.floor_loads import FRICTION
 from diagnosis.predictors.wheels.turning_loads import TURNING
 from diagnosis.report.sentences.quantities import along, quantity_words
 
@@ -42,6 +43,8 @@ def unexplained_sentence(structure: Structure) -> str:
         GAIN: f"a gain that changes with {words}",
         "bump": f"a bump around one value of {words}",
     }.get(shape, f"a {shape} over {words}") + (f", {sign}" if sign else "")
+    if structure.what.startswith(FRICTION):
+        shape = structure.what
     where = along(structure.covariate)
     if structure.covariate == TURNING:
         where, shape = f"{where}, the rate of turning", f"as from a {structure.what}"
