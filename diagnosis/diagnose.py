@@ -20,6 +20,7 @@ from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, 
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.naming.named_model import NamedModel, standing
+from diagnosis.inference.naming.other_size import other_size
 from diagnosis.inference.naming.transfer import groups
 from diagnosis.inference.naming.verdict import CaseVerdict, WithheldName, conclusion
 from diagnosis.inference.selection.candidates import Candidates, candidates
@@ -224,6 +225,7 @@ def diagnose(
     model = NamedModel(fit, comparisons, result)
     model, withheld_names = standing(evidence, selection, model, library.testable, parts, measured=measured)
     fit, comparisons, result = model.fit, model.comparisons, model.result
+    other_sizes = [other_size(evidence, fit, each.effect, library.testable) for each in comparisons]
     fit = with_shared_rounding(evidence, with_whole_runs(measurement, evidence, fit))
     alternatives = tuple(_alternatives(measurement, evidence, comparisons))
     names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
@@ -240,7 +242,10 @@ def diagnose(
         candidates=library,
         selection=selection,
         fit=fit,
-        named=tuple(NamedEffect.of(evidence, selection.nominal, fit, each) for each in comparisons),
+        named=tuple(
+            NamedEffect.of(evidence, selection.nominal, fit, each, other)
+            for each, other in zip(comparisons, other_sizes, strict=True)
+        ),
         withheld=withheld_names,
         withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
         adequacy=result,

@@ -8,6 +8,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.fitting.standard_errors import standard_errors
 from diagnosis.inference.naming.file_numbers import FileNumber, file_numbers
+from diagnosis.inference.naming.other_size import OtherSize
 from diagnosis.inference.naming.seen_range import SeenRange, seen_ranges
 from diagnosis.inference.selection.rivals import RivalComparison
 
@@ -27,16 +28,25 @@ class NamedEffect:
     known: Mapping[str, float] = field(default_factory=dict)
     """Numbers of the effect that no cost judges: defaults, or what they are within their tolerances in the fit."""
 
+    other_size: OtherSize | None = None
+    """Its size beside a second effect, which `std` includes; None if none would change it."""
+
     @classmethod
     def of(
-        cls, evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, comparison: RivalComparison
+        cls,
+        evidence: Evidence,
+        nominal: HypothesisFit,
+        fit: HypothesisFit,
+        comparison: RivalComparison,
+        other: OtherSize | None = None,
     ) -> "NamedEffect":
         """Return an effect of a fit with its numbers; `nominal` is the fit without effects."""
         effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
         ranges = seen_ranges(evidence, nominal, fit, effect)
         std = standard_errors(evidence, fit, effect)
+        std = std if other is None else other.wider(values, std)
         known = {name: getattr(fit.robot.effects.get(effect.kind), name) for name in effect.known}
-        return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std), known)
+        return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std), known, other)
 
     @property
     def name(self) -> str:

@@ -7,7 +7,10 @@ import numpy as np
 from diagnosis.inference.naming.named_effect import NamedEffect
 from diagnosis.inference.selection.plausible import beyond
 from diagnosis.measured.measurement import CaseKind, Measurement
+from diagnosis.report.sentences.quantities import listed, percent
 
+NOTABLE = 0.02
+"""Weight of a size beside a second effect from which it is stated."""
 ONE_ROW = 0.05
 """Difference of a delay from one row, as a share of it, up to which the order of the columns explains it."""
 
@@ -22,11 +25,25 @@ def size_doubts(named: NamedEffect) -> list[str]:
 
 
 def log_doubts(named: NamedEffect, measurement: Measurement) -> list[str]:
-    """Return how the rows of a step log may mislead about a delay or a lag; empty for other effects."""
+    """Return how these data may mislead about the numbers of a named effect; empty if they may not.
+
+    In a step log, that is how the rows may mislead about a delay or a lag.
+    """
     if measurement.kind is not CaseKind.MOTOR_STEP:
-        return []
+        return [*_other_sizes(named)]
     row_s = float(np.median(np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])))
-    return [*_order_doubts(named, row_s), *_time_doubts(named, measurement, row_s)]
+    return [*_other_sizes(named), *_order_doubts(named, row_s), *_time_doubts(named, measurement, row_s)]
+
+
+def _other_sizes(named: NamedEffect) -> Iterator[str]:
+    """Yield the size beside a second effect that is not certain, if its weight matters."""
+    other = named.other_size
+    if other is not None and other.weight >= NOTABLE:
+        numbers = listed([f"{name} {value:.3g}" for name, value in other.values.items()])
+        yield (
+            f"beside {other.beside}, which these data only hint at, it would be {numbers}; the standard errors include "
+            f"this with a weight of {percent(other.weight)}, the profile intervals do not"
+        )
 
 
 def _order_doubts(named: NamedEffect, row_s: float) -> Iterator[str]:

@@ -4,6 +4,7 @@ import pytest
 from configs.effects.registry import EFFECTS
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.naming.named_effect import NamedEffect
+from diagnosis.inference.naming.other_size import OtherSize
 from diagnosis.inference.selection.rivals import RivalComparison
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -60,3 +61,14 @@ def test_a_delay_of_one_row_of_a_step_log_may_be_the_order_of_its_columns(kind, 
     texts = log_doubts(named, step_log(np.full(49, 6.0), kind))
     assert len(texts) == is_doubted
     assert all("one row of the log, 20 ms" in text and "held: after_row" in text for text in texts)
+
+
+@pytest.mark.parametrize(("rise", "is_stated"), [(2.0, True), (40.0, False)])
+def test_another_size_beside_a_second_effect_is_stated_if_it_has_a_weight(rise, is_stated):
+    effect = CandidateEffect(EFFECTS.by_name()["pose_time_offset"])
+    other = OtherSize("range_gathering_time", rise, {"delay_s": 0.02})
+    comparison = RivalComparison(effect, 0.97, ())
+    named = NamedEffect(effect, {"delay_s": 0.007}, {"delay_s": 0.005}, comparison, other_size=other)
+    texts = log_doubts(named, step_log(np.zeros(50), CaseKind.DRIVE_LOG))
+    expected = "beside range_gathering_time, which these data only hint at, it would be delay_s 0.02; "
+    assert [text.startswith(expected) for text in texts] == [True] * is_stated
