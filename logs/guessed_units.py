@@ -196,7 +196,7 @@ def time_units(times: Array, step_s: tuple[float, float]) -> list[str]:
         step_s: Shortest and longest usual time between two rows of such a log.
     """
     known = times[np.isfinite(times)]
-    step = _step(known)
+    step = usual_step_of(known)
     if step == 0.0 or (step < 1.0 and np.any(known != np.rint(known))):
         return ["s"]
     shortest_s, longest_s = step_s
@@ -211,19 +211,15 @@ def time_units(times: Array, step_s: tuple[float, float]) -> list[str]:
     return since_1970[:1] or list(fits) or usual
 
 
-def time_step_s(log: LogFile, column: str, unit: str) -> float:
-    """Return the usual time [s] between two rows in a unit."""
-    return factor_to("s", unit, column) * _step(log.times(column))
-
-
-def _step(times: Array) -> float:
+def usual_step_of(times: Array) -> float:
+    """Return the usual step of times (N,), NaN where there is none; 0 if they never go on."""
     steps = np.diff(times[np.isfinite(times)])
     steps = steps[steps > 0.0]
     return usual_step(steps) if len(steps) else 0.0
 
 
 def _guessed_time(kind: LogKind, name: str, column: str, known: Array, log: LogFile) -> tuple[str, str]:
-    units, step = time_units(known, kind.step_s), _step(known)
+    units, step = time_units(known, kind.step_s), usual_step_of(known)
     if len(units) > 1:
         readings = [Reading(unit, f"rows are {factor_to('s', unit, column) * step:.4g} s apart") for unit in units]
         raise asked(log, kind, name, column, shown=f"rows that are {step:.6g} apart", readings=readings)
@@ -245,7 +241,7 @@ def _guessed_length(known: Array, largest: float, *, is_range: bool) -> tuple[st
 def _guessed_heading(kind: LogKind, sources: Mapping[str, Source], log: LogFile, heading: Array) -> tuple[str, str]:
     """Return the unit of a heading (N,) by the motion of the columns that are mapped already, and a sentence."""
     ours = {
-        name: factor_to(kind.unit_of(name), sources[name].unit, name) * log.numbers(sources[name].column)
+        name: factor_to(kind.unit_of(name), sources[name].unit, name) * sources[name].numbers(log)
         for name in ("t_s", "x_m", "y_m")
         if name in sources
     }

@@ -10,12 +10,13 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from configs.schema.base import Section
+from configs.schema.base import FromList, Section
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape
 from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.quantity import LogKind
+from logs.quaternion_heading import heading_of
 from logs.units import PERCENT, factor_to, unit_of
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, nearest
@@ -30,7 +31,11 @@ class Source(Section):
     """Where the values of one quantity come from: from a column of the log, or a constant."""
 
     column: str = ""
-    """Name of the column in the log, as its header has it; empty for a constant."""
+    """Name of the column in the log, as its header has it; empty for a constant or a quaternion."""
+    quaternion: Annotated[tuple[str, ...], FromList] = ()
+    """Names of the columns of x, y, z and w of an orientation whose x axis is the heading, or of z and w alone."""
+    nanoseconds: str = ""
+    """Name of the column of nanoseconds that are added to a time in whole seconds."""
     constant: float | str | None = None
     """Value of every row, in our unit."""
     unit: str = ""
@@ -58,16 +63,48 @@ class Source(Section):
         times = f", times {self.times}" if self.times else ""
         offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
         held = {"after_row": ", held to the next row", "before_row": ", held from the row before"}.get(self.held, "")
-        return f"{self.column or self.constant}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}{held}"
+        quaternion = f"the quaternion {', '.join(self.quaternion)}" if self.quaternion else ""
+        stamp = f" and nanoseconds {self.nanoseconds}" if self.nanoseconds else ""
+        what = f"{quaternion or self.column or self.constant}{stamp}"
+        return f"{what}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}{held}"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns from which the values come."""
+        return tuple(filter(None, (self.column, *self.quaternion, self.nanoseconds, self.times)))
 
     def numbers(self, log: LogFile) -> Array:
         """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
 
+        Those of a quaternion are headings [rad], and those of a column with nanoseconds are times [s].
+
         Raises:
-            InputError: A cell is no number.
+            InputError: A cell is no number, or the columns are no quaternion or no nanoseconds.
         """
+        if self.quaternion:
+            components = np.column_stack([log.numbers(column) for column in self.quaternion])
+            return heading_of(components, str(log.path), self.quaternion)
+        if self.nanoseconds:
+            return self.times_of(log)
         numbers = log.numbers(self.column)
         return numbers * log.numbers(self.times) if self.times else numbers
+
+    def times_of(self, log: LogFile) -> Array:
+        """Return the times (N,) of the column, each of which is a number, with their nanoseconds if there are some.
+
+        Raises:
+            InputError: A cell is no number, or empty, or no number of nanoseconds.
+        """
+        times = log.times(self.column)
+        if not self.nanoseconds:
+            return times
+        nanoseconds = log.times(self.nanoseconds)
+        wrong = np.flatnonzero((nanoseconds < 0.0) | (nanoseconds >= 1e9) | (nanoseconds != np.rint(nanoseconds)))
+        if len(wrong):
+            row = int(wrong[0])
+            where, got = log.where(row), log.columns[self.nanoseconds][row]
+            raise InputError(f"column {self.nanoseconds}", where=where, got=got, allowed="whole numbers below 1e9")
+        return times + 1e-9 * nanoseconds
 
 
 class LogMapping(Section):
@@ -131,9 +168,11 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
                     allowed=", ".join(kind.names),
                     nearest=nearest(name, kind.names),
                 )
-            if bool(source.column) == (source.constant is not None):
-                raise InputError("give either a column or a constant", where=place)
-            for column in filter(None, (source.column, source.times)):
+            if [bool(source.column), bool(source.quaternion), source.constant is not None].count(True) != 1:
+                also = ", a quaternion" if name == "theta_rad" else ""
+                raise InputError(f"give either a column{also} or a constant", where=place)
+            _check_combined(name, source, place)
+            for column in source.columns:
                 check_column(column, log, place)
             if source.constant is not None:
                 _check_constant(name, source, place, is_number=name in kind.scales)
@@ -156,6 +195,23 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
     with faults.noted():
         _check_needed(kind, mapping.columns, where)
     faults.check()
+
+
+def _check_combined(name: str, source: Source, where: str) -> None:
+    """Refuse a quaternion of anything but a heading, and nanoseconds of anything but a time in seconds."""
+    if source.quaternion and name != "theta_rad":
+        raise InputError("quaternion is for theta_rad", where=where)
+    if source.quaternion and len(source.quaternion) not in {2, 4}:
+        allowed, got = "the columns of x, y, z and w, or of z and w", f"{len(source.quaternion)} names"
+        raise InputError(f"quaternion: got {got}", where=where, allowed=allowed)
+    if source.quaternion and source.unit:
+        raise InputError("a quaternion has no unit", where=where, cure="leave unit out; offset is in rad")
+    if source.nanoseconds and name != "t_s":
+        raise InputError("nanoseconds is for t_s", where=where)
+    if source.nanoseconds and (unit_of(source.unit) or source.unit) not in {"", "s"}:
+        raise InputError(
+            "nanoseconds are added to seconds", where=where, cure="leave unit out, or write unit: ns alone"
+        )
 
 
 def _check_offset(name: str, offset: float, where: str, *, is_measured: bool) -> None:
@@ -206,7 +262,7 @@ def _check_needed(kind: LogKind, names: Mapping[str, object], where: str) -> Non
 
 def unused_columns(mapping: LogMapping, log: LogFile) -> list[str]:
     """Return the columns of a log that a mapping does not use."""
-    used = {name for source in mapping.columns.values() for name in (source.column, source.times)}
+    used = {name for source in mapping.columns.values() for name in source.columns}
     return [name for name in log.columns if name not in used]
 
 
@@ -218,8 +274,9 @@ def missing_note(mapping: LogMapping, log: LogFile, names: Collection[str]) -> l
         log: A log whose cells can be read.
         names: Quantities that are numbers.
     """
-    columns = [mapping.columns[name].column for name in names if name in mapping.columns]
-    missing = {column: int(np.count_nonzero(np.isnan(log.numbers(column)))) for column in columns if column}
+    sources = [mapping.columns[name] for name in names if name in mapping.columns]
+    columns = [column for source in sources for column in source.quaternion or (source.column,) if column]
+    missing = {column: int(np.count_nonzero(np.isnan(log.numbers(column)))) for column in columns}
     counts = ", ".join(f"{count} of {column}" for column, count in missing.items() if count)
     return [f"cells without a number, of {log.rows} each: {counts}"] if counts else []
 
@@ -232,6 +289,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         f"#   {shlex.join(command)}",
         "# unit: unit in the log, such as mm, deg, ms, rpm, mV. factor: factor besides the unit; -1 turns the sign.",
         "# offset: number added to the values in our unit, such as to x_m if the corner of a room is not the origin.",
+        "# quaternion: columns of x, y, z and w, in place of column. nanoseconds: column that is added to seconds.",
         "# times: column of the voltage by which a duty cycle is multiplied, row by row.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# held: after_row if each voltage is held from its row to the next, before_row if since the row before.",

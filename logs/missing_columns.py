@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from logs.combined_columns import companions
 from logs.drive import COUNTED
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, VOLTAGES
@@ -33,7 +34,9 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
     sets = [each for each in dict.fromkeys((*without_range, *lone_range)) if not any(other < each for other in several)]
     order_of_name = kind.names.index
     names = ", or else as ".join(" ".join(sorted(each, key=order_of_name)) for each in sets)
-    unused = [name for name in log.columns if name not in recognised.values()]
+    used = {*recognised.values()}
+    used |= companions([*log.columns], kind.fillers, used)
+    unused = [name for name in log.columns if name not in used]
     cure = f"rename them, or write a {MAPPING} ({kind.page}) and name it with {kind.mapping_option}{kind.elsewhere}"
     if kind.column_option and unused:
         first = _example(log, kind, sets, unused)
@@ -86,4 +89,4 @@ def _may_hold(log: LogFile, column: str, name: str, kind: LogKind) -> bool:
     if name in COUNTED and np.any(known != np.rint(known)):
         return False
     is_held = name in VOLTAGES or name == "distance_m"
-    return len(np.unique(known)) >= (1 if is_held else MIN_VALUES)
+    return len(np.unique(known)) >= (1 if is_held else min(MIN_VALUES, log.rows))

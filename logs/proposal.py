@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from logs.combined_columns import quaternion_columns, stamp_columns
 from logs.counts import are_per_row
 from logs.drive import COUNTED, PER_ROW
 from logs.guessed_units import FULL_DUTIES, USUAL_SUPPLY_V, Known, UnknownUnitError, duty_unit, full_duty, guessed
@@ -15,6 +16,7 @@ from logs.mapping import MAPPING, LogMapping, Source
 from logs.missing_columns import missing
 from logs.plausible_units import OTHER_UNITS, beyond_scale, likely_unit
 from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
+from logs.quaternion_heading import ordered, tilt_note
 from logs.units import PERCENT, HeaderName, factor_to, taken_apart, unit_of, units_for
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, nearest
@@ -68,7 +70,9 @@ def propose_as(
             warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
         with faults.noted():
             try:
-                if name in units:
+                if combined := _combined(log, kind, name, column):
+                    source, reason = combined
+                elif name in units:
                     source, reason = _stated(kind, name, column, units[name], supply_V)
                 elif name in left_open and not taken_apart(column).unit:
                     source, reason = Source(column=column), ""
@@ -79,7 +83,7 @@ def propose_as(
                     raise
                 warnings.append(f"{column} ({name}): taken for no quantity; {error}")
                 continue
-            warnings += [f"{column} ({name}): {reason}"] if reason else []
+            warnings += [f"{', '.join(source.columns)} ({name}): {reason}"] if reason else []
             sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
             sources[name] = source.model_copy(update={"factor": sense * source.factor})
     faults.check()
@@ -113,6 +117,25 @@ def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Know
         except InputError:  # wrong cells are reported together, when the rows are read
             pass
     return Source(column=column, unit="" if unit == ours else unit), reason
+
+
+def _combined(log: LogFile, kind: LogKind, name: str, column: str) -> tuple[Source, str] | None:
+    """Return the source of a quantity that several columns give, and a note; None if it has one column.
+
+    Raises:
+        InputError: The order of the components of a quaternion is not known, or they are none.
+    """
+    stamp = stamp_columns([*log.columns], kind.fillers)
+    if name == "t_s" and column in stamp[:1]:
+        return Source(column=column, nanoseconds=stamp[1]), ""
+    names = quaternion_columns([*log.columns], kind.fillers)
+    if name != "theta_rad" or column not in names:
+        return None
+    where = str(log.path)
+    if len(names) == 4 and any(character.isdecimal() for character in names[0]):
+        names = ordered(np.column_stack([log.numbers(each) for each in names]), names, where)
+    components = np.column_stack([log.numbers(each) for each in names])
+    return Source(quaternion=names), tilt_note(components, where, names)
 
 
 def _stated(kind: LogKind, name: str, column: str, unit: str, supply_V: float | None) -> tuple[Source, str]:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from logs.combined_columns import quaternion_columns, stamp_columns
 from logs.plausible_units import PlausibleRange
 from logs.units import HeaderName, taken_apart, units_for
 
@@ -18,7 +19,7 @@ def words(text: str) -> frozenset[str]:
 
 FILLERS = words(
     "wheel wheels sensor log logged raw meas measured robot mocap opti optitrack vicon camera cam tracker true world "
-    "pose pos position mean value motor mot total abs vl53l0x vl53"
+    "pose pos position field mean value motor mot total abs vl53l0x vl53"
 )
 """Words that do not show which quantity it is."""
 LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
@@ -140,6 +141,7 @@ class LogKind:
                 if column not in used and quantity.matches(taken_apart(column), unit, self.fillers):
                     result[quantity.name] = column
                     break
+        self._combine(columns, result)
         result |= self._by_unit_alone(columns, result)
         if self.lone_range and not self.ranges & result.keys():
             ranges = [name for name in columns if name not in result.values() and self._is_range(taken_apart(name))]
@@ -155,6 +157,18 @@ class LogKind:
             and column != name
             and not any(quantity.matches(header, unit, self.fillers) for quantity in named)
         )
+
+    def _combine(self, columns: Sequence[str], result: dict[str, str]) -> None:
+        """Add a time of seconds and nanoseconds, and a heading by a quaternion, with the first of their columns."""
+        stamp = stamp_columns(columns, self.fillers)
+        if stamp and "t_s" in self.names and result.get("t_s", stamp[1]) == stamp[1]:
+            result["t_s"] = stamp[0]
+        components = [name for name in ("qx", "qy", "qz", "qw") if name in result]
+        quaternion = quaternion_columns(columns, self.fillers)
+        if quaternion and "theta_rad" in self.names and "theta_rad" not in result and len(components) < 4:
+            for name in components:
+                del result[name]
+            result["theta_rad"] = quaternion[0]
 
     def _by_unit_alone(self, columns: Sequence[str], named: Mapping[str, str]) -> dict[str, str]:
         """Return the columns whose names are unknown, such as `Drehzahl [1/min]`, by the quantity of their unit."""

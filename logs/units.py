@@ -119,19 +119,19 @@ def taken_apart(name: str) -> HeaderName:
     match = _BRACKETS.match(name)
     stated = match[2].removeprefix("in ").rstrip(".") if match else ""  # as in `time (in s)`
     if match and (unit := unit_of(stated)):
-        return HeaderName(_words(match[1]), unit)
-    if match and match[2] == "1" and {*_words(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
+        return HeaderName(words_of(match[1]), unit)
+    if match and match[2] == "1" and {*words_of(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
         return taken_apart(match[1])
-    if name.endswith("%") and (words := _words(name[:-1])):
+    if name.endswith("%") and (words := words_of(name[:-1])):
         return HeaderName(words, PERCENT)
-    words = _words(name)
-    if match and {word for word in _words(match[2]) if not word.isdecimal()} - _NO_UNITS:
+    words = words_of(name)
+    if match and {word for word in words_of(match[2]) if not word.isdecimal()} - _NO_UNITS:
         return HeaderName(words, "", match[2])  # the `V` of [kV] is not its unit
     parts = name.split("_")  # `mV` would fall apart at its capital letter
     for length in (3, 2, 1):
-        unit = _unit_behind(_words("_".join(parts[:-length])), "_".join(parts[-length:]))
+        unit = _unit_behind(words_of("_".join(parts[:-length])), "_".join(parts[-length:]))
         if unit and len(parts) > length:
-            return HeaderName(_words("_".join(parts[:-length])), unit)
+            return HeaderName(words_of("_".join(parts[:-length])), unit)
     for length in (3, 2, 1):
         unit = _unit_behind(words[:-length], "_".join(words[-length:]))
         is_alone = len(words) == length
@@ -147,7 +147,8 @@ def _unit_behind(words: tuple[str, ...], spelling: str) -> str:
     return unit_of(spelling.replace("_per_", "_"))
 
 
-def _words(name: str) -> tuple[str, ...]:
+def words_of(name: str) -> tuple[str, ...]:
+    """Return the lower-case words of a name such as `pose.orientation.x` or `RotationX`."""
     parts = re.split(r"[^A-Za-z0-9°µμ]+", _CAMEL.sub(" ", name))
     return tuple(part.lower() for part in parts if part)
 

@@ -7,8 +7,9 @@ from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, of_wheels
+from logs.combined_columns import stamp_columns
 from logs.drive import COUNTED
-from logs.guessed_units import Reading, asked, time_step_s, time_units
+from logs.guessed_units import Reading, asked, time_units, usual_step_of
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
 from logs.missing_columns import missing
@@ -209,10 +210,13 @@ def _of_motor(log: LogFile, column: str, unit: str) -> CaseKind:
         InputError: The times may be in several units, and so be both.
     """
     unit = (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" else "")
+    stamp = stamp_columns([*log.columns], KINDS[CaseKind.MOTOR_STEADY].fillers)
+    source = Source(column=column, nanoseconds=stamp[1] if column in stamp[:1] else "")
+    unit, times = "s" if source.nanoseconds else unit, source.times_of(log)
     if unit and unit not in units_for("s"):
         return CaseKind.MOTOR_STEADY  # the unit is refused with those of the others
-    units = [unit] if unit else time_units(log.times(column), (STEP_S[_MOTORS[0]][0], STEP_S[_MOTORS[1]][1]))
-    steps_s = {unit: time_step_s(log, column, unit) for unit in units}
+    units = [unit] if unit else time_units(times, (STEP_S[_MOTORS[0]][0], STEP_S[_MOTORS[1]][1]))
+    steps_s = {unit: factor_to("s", unit, column) * usual_step_of(times) for unit in units}
     if len(units) > 1:
         meanings = {True: "samples of a step log (motor_step)", False: "each a steady state (motor_steady)"}
         readings = [

@@ -129,7 +129,7 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
             else:
                 factor = source.factor * factor_to(column.unit, source.unit, f"columns.{name}")
                 with np.errstate(over="ignore"):  # what became too large is a fault
-                    logged = log.times(source.column) if name == "t_s" else source.numbers(log)
+                    logged = source.times_of(log) if name == "t_s" else source.numbers(log)
                     numbers = factor * running_counts(logged, source, name, notes) + source.offset
                 _check_sizes(numbers, source, log)
             if name == "t_s" and (kind in IN_TIME or numbers[0] > LONG_AFTER_S):  # of a computer, from 1970

@@ -48,7 +48,10 @@ def propose_trajectory(log: LogFile) -> Proposal:
     """
     proposal = propose_as(log, TRAJECTORY, left_open=_MOTION)
     sources = dict(proposal.mapping.columns)
-    stated = {name: bool(taken_apart(source.column).unit) for name, source in sources.items()}
+    stated = {
+        name: bool(source.quaternion or source.nanoseconds or taken_apart(source.column).unit)
+        for name, source in sources.items()
+    }
     has_our_name = {name: source.column == name for name, source in sources.items()}
     warnings = [*proposal.warnings]
     with suppress(InputError):  # wrong cells are reported together, when the rows are read
@@ -59,7 +62,7 @@ def propose_trajectory(log: LogFile) -> Proposal:
 
 def _guess_motion(log: LogFile, sources: dict[str, Source], known: Mapping[str, bool]) -> list[str]:
     """Give times, places and headings the units of a possible motion; return a sentence for each guess."""
-    t, x, y = (log.numbers(sources[name].column) for name in ("t_s", "x_m", "y_m"))
+    t, x, y = (sources[name].numbers(log) for name in ("t_s", "x_m", "y_m"))
     good = np.isfinite(t) & np.isfinite(x) & np.isfinite(y)
     t, place = t[good], np.column_stack((x, y))[good]
     if len(t) < 2:
@@ -184,7 +187,12 @@ def _usable_rows(values: Mapping[str, Array], table: _MappedTable) -> tuple[np.n
     complete = np.isfinite([values[name] for name in needed]).all(axis=0)
     rows = np.flatnonzero(complete)
     if not len(rows):
-        empty = ", ".join(table.mapping.columns[name].column for name in needed if not np.isfinite(values[name]).any())
+        empty = ", ".join(
+            column
+            for name in needed
+            if not np.isfinite(values[name]).any()
+            for column in table.mapping.columns[name].columns
+        )
         what = f"column {empty} is empty" if empty else "no row has both a time and a pose"
         raise InputError(what, where=str(table.log.path), allowed="numbers in the columns of time and pose")
     changes = []
