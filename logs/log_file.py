@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from logs.recognition import MAX_TITLES
 from logs.units import NO_UNIT, unit_of_cell, with_unit
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
@@ -16,6 +17,10 @@ from symolo.core.progress import plural
 from symolo.core.tables.table import NO_NUMBER, cells_of, number_of
 
 SEPARATORS = (",", ";", "\t")
+MAX_HEADER_ROWS = 2
+"""Most rows of words below the header, such as units and symbols."""
+MIN_UNITS = 2
+"""Units that a row of units has for each other word in it."""
 
 
 @dataclass(frozen=True)
@@ -101,19 +106,25 @@ def read_log(path: Path) -> LogFile:
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
     above = _comments(lines)
+    above += _titles(lines[above:])
     if above:
         notes.append(f"{path.name}: left out above the header: {plural(above, 'row')}")
     first_row = above + 2
     head = lines[above].lstrip("# ")
-    separator = max(SEPARATORS, key=head.count)
+    separator = _separator(head)
     header = [cell.strip('"') for cell in cells_of(head, separator)]
     _check_header(header, f"{path}: row {above + 1}")
     below = [lines[above + 1].lstrip("# "), *lines[above + 2 :]] if len(lines) > above + 1 else []
     rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
-    if len(rows) > 1 and len(rows[0]) == len(header) and _are_units(rows[0], rows[1]):
-        header = [with_unit(name, unit) for name, unit in zip(header, rows.pop(0), strict=True)]
-        notes.append(f"{path.name}: row {first_row} has the units of the columns")
+    words = _header_rows(header, rows)
+    for row in words:
+        if _are_units(row, rows[len(words)]):
+            header = [with_unit(name, unit) for name, unit in zip(header, row, strict=True)]
+            notes.append(f"{path.name}: row {first_row} has the units of the columns")
+        else:
+            notes.append(f"{path.name}: row {first_row} has words only and is left out")
         first_row += 1
+    rows = rows[len(words) :]
     rows = [row[:-1] if len(row) == len(header) + 1 and not row[-1] else row for row in rows]
     if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
         rows.pop()
@@ -137,6 +148,36 @@ def read_log(path: Path) -> LogFile:
         header_row=above + 1,
         first_row=first_row,
     )
+
+
+def _separator(header: str) -> str:
+    return max(SEPARATORS, key=header.count)
+
+
+def _titles(lines: Sequence[str]) -> int:
+    """Return the number of lines above the header that have another number of cells than it and all rows below it."""
+    for number in range(1, min(MAX_TITLES, len(lines) - 2) + 1):
+        separator = _separator(lines[number])
+        counts = [len(cells_of(line.rstrip(separator), separator)) for line in lines if line.strip()]
+        titles = sum(bool(line.strip()) for line in lines[:number])
+        header, below = counts[titles], counts[titles + 1 :]
+        is_header = bool(lines[number].strip()) and not any(map(_is_number, _pieces(lines[number])))
+        if is_header and titles and header not in counts[:titles] and {*below} == {header}:
+            return number
+    return 0
+
+
+def _header_rows(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Sequence[Sequence[str]]:
+    """Return the rows below the header that belong to it: that of the units, and others of words above the values."""
+    for number in range(1, min(MAX_HEADER_ROWS, len(rows) - 1) + 1):
+        words = rows[:number]
+        if any(
+            len(row) != len(header) or any(_is_number(cell) and cell not in NO_UNIT for cell in row) for row in words
+        ):
+            break
+        if _are_values(rows[number]) and any(_are_units(row, rows[number]) for row in words):
+            return words
+    return ()
 
 
 def _comments(lines: Sequence[str]) -> int:
@@ -168,12 +209,14 @@ def _is_number(cell: str) -> bool:
 
 
 def _are_units(cells: Sequence[str], below: Sequence[str]) -> bool:
-    """Return whether a row has units, and no other words or numbers, and the row below it no word under a unit."""
+    """Return whether a row has units, few other words and no numbers, and the row below it no word under a unit."""
     units = [bool(unit_of_cell(cell)) for cell in cells]
+    others = [not is_unit and cell not in {"", *NO_UNIT} for is_unit, cell in zip(units, cells, strict=True)]
     words = [bool(cell) and not _is_number(cell) and not NO_NUMBER.fullmatch(cell) for cell in below]
     return (
         any(units)
-        and all(is_unit or cell in {"", *NO_UNIT} for is_unit, cell in zip(units, cells, strict=True))
+        and MIN_UNITS * sum(others) <= sum(units)
+        and not any(map(_is_number, (cell for cell, is_other in zip(cells, others, strict=True) if is_other)))
         and not any(is_unit and is_word for is_unit, is_word in zip(units, words, strict=False))
     )
 

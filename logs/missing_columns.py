@@ -17,7 +17,7 @@ MIN_VALUES = 5
 """Smallest number of different values of a quantity that changes; a mode or a flag has fewer."""
 _OTHERS = words(
     "z qx qy qz qw quat quaternion roll pitch mode state status flag error err id seq index row intensity temperature "
-    "temp ultra gyro acc accel mag sec secs nsec nsecs nanosec seconds"
+    "temp ultra gyro acc accel mag sec secs nsec nsecs nanosec seconds delta diff"
 )
 """Words of what is no quantity of a case."""
 

@@ -1,12 +1,14 @@
 """Looks at the beginning of files, by which their kind is recognised; nothing here raises an error."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from symolo.core.files.plain_files import open_named_file
 
 MAX_COMMENTS = 100
 """Lines of comments above a header that are skipped."""
+MAX_TITLES = 10
+"""Most lines of a title above a header."""
 
 
 def is_file(path: Path) -> bool:
@@ -56,14 +58,26 @@ def first_row(path: Path, *, skips_comments: bool = False) -> str:
         path: The file.
         skips_comments: Whether to return the first line, of the first hundred, that neither is empty nor begins with #.
     """
+    for row in _rows(path, MAX_COMMENTS if skips_comments else 1):
+        if not skips_comments or (row.strip() and not row.startswith("#")):
+            return row
+    return ""
+
+
+def has_separator_below_title(path: Path, separators: Sequence[str]) -> bool:
+    """Return whether one of the first rows, of which those above it may be a title, has one of the separators."""
+    rows = [row.strip() for row in _rows(path, MAX_COMMENTS) if row.strip() and not row.startswith("#")]
+    is_text = not any("\0" in row for row in rows)
+    return is_text and any(separator in row for row in rows[: MAX_TITLES + 1] for separator in separators)
+
+
+def _rows(path: Path, count: int) -> list[str]:
+    """Return the first rows of a file; none for a folder and a file that cannot be read."""
     if not is_file(path):  # opening a pipe or a device could wait forever
-        return ""
+        return []
     try:
         with open_named_file(path) as file:
-            for _ in range(MAX_COMMENTS if skips_comments else 1):
-                row = file.readline(4096).decode("utf-8-sig", errors="replace")
-                if not skips_comments or (row.strip() and not row.startswith("#")):
-                    return row
+            rows = (file.readline(4096) for _ in range(count))
+            return [row.decode("utf-8-sig", errors="replace") for row in rows if row]
     except (OSError, ValueError):
-        pass
-    return ""
+        return []

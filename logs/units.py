@@ -74,7 +74,7 @@ _INCH, _LENGTHS = (
 """Spelling of the inch that behind other words, as in `battery_in`, is none."""
 _MINUTE = "min"
 """Spelling of the minute that stands for it in brackets alone; `range_min` is a minimum."""
-_NO_UNITS = frozenset(
+NO_UNIT_WORDS = frozenset(
     [
         "left",
         "right",
@@ -120,12 +120,14 @@ def taken_apart(name: str) -> HeaderName:
     stated = match[2].removeprefix("in ").rstrip(".") if match else ""  # as in `time (in s)`
     if match and (unit := unit_of(stated)):
         return HeaderName(words_of(match[1]), unit)
+    if match and (parts := re.split(r"\s*[,;]\s*", stated)) and len(parts) > 1 and (unit := unit_of(parts[-1])):
+        return HeaderName(words_of(" ".join((match[1], *parts[:-1]))), unit)  # as in `speed (left wheel, m/s)`
     if match and match[2] == "1" and {*words_of(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
         return taken_apart(match[1])
     if name.endswith("%") and (words := words_of(name[:-1])):
         return HeaderName(words, PERCENT)
     words = words_of(name)
-    if match and {word for word in words_of(match[2]) if not word.isdecimal()} - _NO_UNITS:
+    if match and {word for word in words_of(match[2]) if not word.isdecimal()} - NO_UNIT_WORDS:
         return HeaderName(words, "", match[2])  # the `V` of [kV] is not its unit
     parts = name.split("_")  # `mV` would fall apart at its capital letter
     for length in (3, 2, 1):
@@ -169,7 +171,7 @@ def unit_of_cell(cell: str) -> str:
 def with_unit(name: str, cell: str) -> str:
     """Return the name of a column with the unit of a cell below it, if the name states none."""
     unit = cell.strip("[]() ")
-    return f"{name} [{unit}]" if unit_of(unit) and not taken_apart(name).unit else name
+    return name if cell in {"", *NO_UNIT} or taken_apart(name).unit else f"{name} [{unit}]"
 
 
 def units_for(ours: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from logs.mapping import MAPPING, Source, check_column
 from logs.missing_columns import missing
 from logs.proposal import Proposal, propose_as
 from logs.quantity import LEFT, RIGHT, SIDES
-from logs.units import factor_to, fits, taken_apart, unit_of, units_for
+from logs.units import NO_UNIT_WORDS, HeaderName, factor_to, fits, taken_apart, unit_of, units_for
 from symolo.core.errors import FaultList, InputError, nearest
 
 _MOTORS = (CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY)
@@ -88,19 +88,36 @@ def _check_unit(name: str, column: str) -> None:
         InputError: The name does so.
     """
     ours = next((unit for one in KINDS if (unit := KINDS[one].unit_of(name))), "")
-    header = taken_apart(column)
-    if column == name or fits(header, ours):
+    header, where = taken_apart(column), f"{COLUMN_OPTION} {name}={column}"
+    file = f"write a {MAPPING} with its unit or factor (docs/case_from_log.md) and name it with --mapping"
+    if column == name:
         return
-    state = (
-        f"seems to state the unit {header.unit}" if header.unit else f"states {header.unknown}, which is no known unit"
-    )
-    raise InputError(
-        f"the name of the column {state}",
-        where=f"{COLUMN_OPTION} {name}={column}",
-        allowed=", ".join(units_for(ours)),
-        cure=f"rename the column, or write a {MAPPING} with its unit or factor (docs/case_from_log.md) and name it with"
-        " --mapping",
-    )
+    if not fits(header, ours):
+        state = f"states {header.unknown}, which is no known unit"
+        state = f"seems to state the unit {header.unit}" if header.unit else state
+        cure = (
+            f"if it is in {ours} all the same, add {UNIT_OPTION} {name}={ours}; otherwise rename the column, or {file}"
+        )
+        raise InputError(f"the name of the column {state}", where=where, allowed=", ".join(units_for(ours)), cure=cure)
+    if word := _may_be_unit(name, header):
+        what = f"the name of the column may state the unit {word}, which is not known"
+        cure = f"state the unit, such as {UNIT_OPTION} {name}={ours}, or {file}"
+        raise InputError(what, where=where, allowed=", ".join(units_for(ours)), cure=cure)
+
+
+def _may_be_unit(name: str, header: HeaderName) -> str:
+    """Return the last word of a name that means a quantity without it, and says nothing that is known; else nothing."""
+    *first, last = header.words or ("",)
+    for kind in KINDS.values():
+        ours = kind.unit_of(name)
+        is_known = last in kind.fillers | NO_UNIT_WORDS or last.isdecimal()
+        named = [each for each in kind.quantities if each.name == name]
+        if header.unit or is_known or not named or len(units_for(ours)) == 1:
+            continue
+        words = {word for each in kind.quantities for group in each.groups for word in group}
+        if last not in words and any(each.matches(HeaderName((*first,), ""), ours, kind.fillers) for each in named):
+            return last
+    return ""
 
 
 def propose(

@@ -14,7 +14,7 @@ from logs.log_file import SEPARATORS, LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
 from logs.missing_columns import missing
 from logs.proposal import Proposal, propose_as, unit_faults
-from logs.recognition import first_row, is_file
+from logs.recognition import first_row, has_separator_below_title, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.motion_units import guessable, per_unit, time_and_length
@@ -260,9 +260,10 @@ def _others(table: _MappedTable, rows: np.ndarray) -> tuple[LoggedTable, ...]:
 def _recognises(path: Path) -> bool:
     if not is_file(path) or path.suffix.lower() not in _ENDINGS:
         return False
-    # A tab at the end of the line separates nothing.
-    rows = {first_row(path).strip(), first_row(path, skips_comments=True).strip()}
-    return any(separator in row for row in rows for separator in SEPARATORS)
+    # A tab at the end of the line separates nothing; a header may be a comment.
+    return any(separator in first_row(path).strip() for separator in SEPARATORS) or has_separator_below_title(
+        path, SEPARATORS
+    )
 
 
 READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)

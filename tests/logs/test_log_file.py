@@ -67,14 +67,49 @@ def test_counts_without_a_unit_are_recognised():
     assert taken_apart("tof [1]").words == ("tof", "1")
 
 
-def test_a_table_below_a_comment_is_recognised_as_a_table(tmp_path):
+@pytest.mark.parametrize("above", ["# my robot\n\n", "My robot, run 3\n", "My robot\n\nRun 3\n"])
+def test_a_table_below_a_comment_or_a_title_is_recognised_as_a_table(above, tmp_path):
     path = tmp_path / "run.log"
-    path.write_text("# my robot\n\nt_s;x_m;y_m;theta_rad\n0;1;1;0\n")
+    path.write_text(f"{above}t_s;x_m;y_m;theta_rad\n0;1;1;0\n")
     assert next(reader.name for reader in READERS if reader.recognises(path)) == "table"
 
 
-def test_a_title_above_the_header_is_named_and_not_every_row_below_it(tmp_path):
+def test_a_title_in_place_of_the_header_is_named_and_not_every_row_below_it(tmp_path):
     path = tmp_path / "log.csv"
-    path.write_text("My robot run 3\nt,x,y\n0,1,2\n1,2,3\n")
+    path.write_text("My robot run 3\n0,1,2\n1,2,3\n")
     with pytest.raises(InputError, match=r"row 2: 3 cells under a header of 1; row 1 is no header .*begin it with #"):
         read_log(path)
+
+
+@pytest.mark.parametrize("title", ["Run 3, on carpet\n", "Fs,50.00\nLogging time,3600\n", "Run 3\n\n"])
+@pytest.mark.parametrize(("header", "rows"), [("t_s,x_m,y_m", "0,1,2\n1,2,3\n"), ("d_mm", "79.0\n80.0\n")])
+def test_titles_above_the_header_are_left_out_and_noted(title, header, rows, read):
+    if header == "d_mm" and "," not in title:
+        title = "Run 3, on carpet\n"
+    log = read(f"{title}{header}\n{rows}")
+    assert list(log.columns) == header.split(",")
+    assert log.rows == 2
+    count = title.count("\n")
+    assert log.notes == (f"run.csv: left out above the header: {count} row{'s' if count > 1 else ''}",)
+    assert log.where(0).endswith(f"run.csv: row {count + 2}")
+
+
+def test_a_title_above_a_row_of_units_is_left_out(read):
+    log = read("Run 3, on carpet\nt,x,n\ns,cm,-\n0,1,2\n1,2,3\n")
+    assert list(log.columns) == ["t [s]", "x [cm]", "n"]
+
+
+@pytest.mark.parametrize("text", ["t,x,y\n0,1\n1,2\n", "t,x\n0,1,2\n1,2,3\n", "run,3\n0,1,2\n1,2,3\n"])
+def test_a_header_that_does_not_fit_its_rows_is_no_title(text, read):
+    with pytest.raises(InputError, match=r"row 2: [23] cells under a header of [23]"):
+        read(text)
+
+
+def test_a_third_header_row_with_symbols_is_left_out_and_noted(read):
+    """As in the logs of the Robotino: names, units and symbols, and a separator at the end of each row."""
+    log = read("Time;1st motor speed;X axis;\nms;rad/s;pix;\nt;m1vel;x;\n0,5;1;2;\n1,5;2;3;\n")
+    assert list(log.columns) == ["Time [ms]", "1st motor speed [rad/s]", "X axis [pix]"]
+    assert taken_apart("X axis [pix]").unknown == "pix"
+    assert log.numbers("Time [ms]").tolist() == [0.5, 1.5]
+    assert log.notes == ("run.csv: row 2 has the units of the columns", "run.csv: row 3 has words only and is left out")
+    assert log.where(0).endswith("run.csv: row 4")

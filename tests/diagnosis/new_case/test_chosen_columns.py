@@ -252,3 +252,26 @@ def test_grad_is_taken_for_degrees_with_a_word_on_gon(init, columns):
     code, out, _, _ = init(renamed(columns, heading_deg="heading_grad"))
     assert code == 0
     assert "heading_grad (theta_rad): taken for degrees; if a turn has 400, write unit: gon in mapping.yaml" in out
+
+
+@pytest.mark.parametrize("name", ["x_furlong", "x furlong", "pos_x_furlongs"])
+def test_a_chosen_column_with_an_unknown_unit_behind_its_name_is_asked_for(name, init, columns):
+    code, _, err, _ = init(renamed(columns, x_cm=name), "--column", f"x_m={name}")
+    assert code == 2
+    unit = name.replace("_", " ").split()[-1]
+    assert f"--column x_m={name}: the name of the column may state the unit {unit}, which is not known" in err
+    assert "--unit x_m=m" in err
+    code, out, err, _ = init(renamed(columns, x_cm=name), "--column", f"x_m={name}", "--unit", "x_m=cm")
+    assert (code, err) == (0, "")
+    assert f"x_m             from {name}, in cm" in out
+
+
+def test_counts_whose_name_ends_in_rev_can_be_chosen_with_their_unit(init, columns):
+    chosen = [f"--column=enc_{side}_ticks={side}_rev" for side in ("left", "right")]
+    logged = renamed(columns, enc_l="left_rev", enc_r="right_rev")
+    code, _, err, _ = init(logged, *chosen)
+    assert code == 2
+    assert "the name of the column seems to state the unit turns" in err
+    assert "if it is in ticks all the same, add --unit enc_left_ticks=ticks" in err
+    code, _, err, _ = init(logged, *chosen, *(f"--unit=enc_{side}_ticks=ticks" for side in ("left", "right")))
+    assert (code, err) == (0, "")

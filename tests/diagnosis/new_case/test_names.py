@@ -35,6 +35,8 @@ from symolo.core.errors import InputError
         ("range (inch)", ("range",), "in"),
         ("time in s", ("time", "in"), "s"),
         ("time (in s)", ("time",), "s"),
+        ("speed (left wheel, m/s)", ("speed", "left", "wheel"), "m/s"),
+        ("x [mocap; mm]", ("x", "mocap"), "mm"),
         ("x (in mm.)", ("x",), "mm"),
         ("theta (ccw)", ("theta", "ccw"), ""),
         ("distance_in_s", ("distance", "in"), "s"),
