@@ -32,14 +32,19 @@ class LogFile:
     notes: tuple[str, ...] = ()
     """Unusual parts of the file that were read all the same, in one sentence each."""
     header_row: int = 1
-    """Number of the line with the names of the columns, from 1."""
+    """Number of the line with the names of the columns, from 1; 0 if the user named them."""
     first_row: int = 2
     """Number of the line with the first cells below the header, from 1."""
 
     @property
     def header_where(self) -> str:
         """Place of the names of the columns for messages."""
-        return f"{self.path}: row {self.header_row}"
+        return f"{self.path}: row {self.header_row}" if self.header_row else f"{self.path}: names of the columns"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns that the user gave, for a file without a header; none if it has one."""
+        return () if self.header_row else tuple(self.columns)
 
     def where(self, row: int) -> str:
         """Return the place of a row of the columns, from 0, for messages."""
@@ -91,12 +96,16 @@ class LogFile:
         return value if isfinite(value) else np.inf
 
 
-def read_log(path: Path) -> LogFile:
+def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of.
 
     In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are comments above the
     header, empty lines at the end and a last row that is cut off. A row of units below the header becomes a part of the
     names: `x` with `cm` below it is the column `x [cm]`.
+
+    Args:
+        path: The file.
+        names: Names of the columns of a file without a header; by default its header has them.
 
     Raises:
         InputError: The file is no such table; the message names every row that has too few or too many cells.
@@ -105,16 +114,18 @@ def read_log(path: Path) -> LogFile:
     lines, notes = list(text.lines), list(text.notes)
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
-    above = _comments(lines)
-    above += _titles(lines[above:])
+    above = _first_row(lines) if names else _comments(lines)
+    above += 0 if names else _titles(lines[above:])
     if above:
-        notes.append(f"{path.name}: left out above the header: {plural(above, 'row')}")
-    first_row = above + 2
+        notes.append(f"{path.name}: left out above the {'rows' if names else 'header'}: {plural(above, 'row')}")
+    first_row = above + (1 if names else 2)
     head = lines[above].lstrip("# ")
     separator = _separator(head)
-    header = [cell.strip('"') for cell in cells_of(head, separator)]
+    header = list(names) or [cell.strip('"') for cell in cells_of(head, separator)]
+    if names:
+        _check_names(names, cells_of(head.rstrip(separator), separator), f"{path}: row {above + 1}")
     _check_header(header, f"{path}: row {above + 1}")
-    below = [lines[above + 1].lstrip("# "), *lines[above + 2 :]] if len(lines) > above + 1 else []
+    below = [lines[first_row - 1].lstrip("# "), *lines[first_row:]] if len(lines) >= first_row else []
     rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
     words = _header_rows(header, rows)
     for row in words:
@@ -145,7 +156,7 @@ def read_log(path: Path) -> LogFile:
         {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name},
         has_decimal_commas=separator == ";",
         notes=tuple(notes),
-        header_row=above + 1,
+        header_row=0 if names else above + 1,
         first_row=first_row,
     )
 
@@ -180,13 +191,18 @@ def _header_rows(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Sequen
     return ()
 
 
+def _first_row(lines: Sequence[str]) -> int:
+    """Return the index of the first line that neither is empty nor begins with #; 0 if there is none."""
+    return next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+
+
 def _comments(lines: Sequence[str]) -> int:
     """Return the number of lines above the header: empty ones, and those that begin with #.
 
     The last of these is the header itself if the line below it is a row of values, or has the units of the header above
     it in such a case.
     """
-    below = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), 0)
+    below = _first_row(lines)
     if below == 0 or not lines[below - 1].startswith("#") or not _are_values(_pieces(lines[below])):
         return below
     first = _pieces(lines[below])
@@ -221,10 +237,28 @@ def _are_units(cells: Sequence[str], below: Sequence[str]) -> bool:
     )
 
 
+def _check_names(names: Sequence[str], cells: Sequence[str], where: str) -> None:
+    """Refuse names of columns that do not fit the first row (cells) of a file.
+
+    Raises:
+        InputError: They are too few or too many, or the row is a header.
+    """
+    if len(names) != len(cells):
+        allowed = f"{len(cells)}, one for each column"
+        raise InputError(f"{len(names)} names for {len(cells)} columns", where=where, allowed=allowed)
+    if not _are_values(cells):
+        raise InputError(
+            "the row is a header", where=where, got=[*cells], cure="leave the names out, and rename columns"
+        )
+
+
 def _check_header(header: Sequence[str], where: str) -> None:
     faults = FaultList()
     if all(isfinite(number_of(name.replace(",", "."))) for name in header):
-        cure = "add a line with the names of the columns above the numbers, such as t_s,x_m,y_m,theta_rad"
+        cure = (
+            "add a line with the names of the columns above the numbers, such as t_s,x_m,y_m,theta_rad, or give them "
+            "with --names of `symolo case init`, or as header: [t_s, ...] in a mapping file"
+        )
         raise InputError("no header", where=where, cure=cure)
     for name in dict.fromkeys(header):
         if name and header.count(name) > 1:

@@ -110,6 +110,8 @@ class Source(Section):
 class LogMapping(Section):
     kind: str
     """Kind of the log, such as `drive_log` or `trajectory`."""
+    header: Annotated[tuple[str, ...], FromList] = ()
+    """Names of the columns of a log that has no header, from left to right; empty for a log with one."""
     columns: Annotated[dict[str, Source], Field(min_length=1)]
     """Source of each quantity by its name; quantities that are not listed were not logged."""
 
@@ -296,6 +298,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",
         "# A quantity that was constant: {constant: VALUE}, in the unit of its name.",
         f"kind: {mapping.kind}",
+        *([f"header: {json.dumps(mapping.header, ensure_ascii=False)}"] if mapping.header else []),
         "columns:",
     ]
     for name, source in mapping.columns.items():

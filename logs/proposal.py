@@ -88,7 +88,8 @@ def propose_as(
             sources[name] = source.model_copy(update={"factor": sense * source.factor})
     faults.check()
     _mark_per_row(log, sources, warnings)
-    return Proposal(LogMapping.model_validate({"kind": kind.name, "columns": sources}), tuple(warnings))
+    mapping = {"kind": kind.name, "header": log.names, "columns": sources}
+    return Proposal(LogMapping.model_validate(mapping), tuple(warnings))
 
 
 def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -> tuple[Source, str]:

@@ -105,14 +105,15 @@ class _MappedTable:
 
     @classmethod
     def of(cls, path: Path, settings: ReadSettings) -> "_MappedTable":
-        log = read_log(path)
         if settings.mapping is None:
+            log = read_log(path)
             proposal = propose_trajectory(log)
             return cls(log, proposal.mapping, proposal.warnings)
         mapping = read_mapping(settings.mapping, [TRAJECTORY], also=[DRIVE_LOG])
+        log = read_log(path, mapping.header)
         if mapping.kind == DRIVE_LOG:
             columns = {name: source for name, source in mapping.columns.items() if name in TRAJECTORY.names}
-            mapping = LogMapping.model_validate({"kind": TRAJECTORY.name, "columns": columns})
+            mapping = LogMapping.model_validate({"kind": TRAJECTORY.name, "header": log.names, "columns": columns})
         check_mapping(mapping, TRAJECTORY, log, str(settings.mapping))
         return cls(log, mapping, ())
 

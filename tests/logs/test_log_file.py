@@ -113,3 +113,16 @@ def test_a_third_header_row_with_symbols_is_left_out_and_noted(read):
     assert log.numbers("Time [ms]").tolist() == [0.5, 1.5]
     assert log.notes == ("run.csv: row 2 has the units of the columns", "run.csv: row 3 has words only and is left out")
     assert log.where(0).endswith("run.csv: row 4")
+
+
+def test_a_file_without_a_header_takes_names(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("# OptiTrack\n0,1,2\n0.05,2,3\n")
+    log = read_log(path, ["t_s", "x_m", "y_m"])
+    assert log.columns == {"t_s": ("0", "0.05"), "x_m": ("1", "2"), "y_m": ("2", "3")}
+    assert log.where(0).endswith("run.csv: row 2")
+    with pytest.raises(InputError, match=r"run.csv: row 2: 2 names for 3 columns; allowed: 3"):
+        read_log(path, ["t_s", "x_m"])
+    path.write_text("t,x,y\n0,1,2\n")
+    with pytest.raises(InputError, match=r"run.csv: row 1: the row is a header: got .*leave the names out"):
+        read_log(path, ["t_s", "x_m", "y_m"])

@@ -143,7 +143,7 @@ def _mapping_text(dataset: "ImportedDataset", command: Sequence[str]) -> str:
     if others or log.trajectory.mapping is None:
         got = f"{len(dataset.logs)} trajectories" if others else log.origin.format
         raise InputError("--save-map", got=got, allowed="one table, which alone has a mapping")
-    return mapping_text(log.trajectory.mapping, TRAJECTORY, read_log(log.path), command)
+    return mapping_text(log.trajectory.mapping, TRAJECTORY, read_log(log.path, log.trajectory.mapping.header), command)
 
 
 def _command_with(mapping: Path, request: "ImportRequest", out: Path) -> list[str]:

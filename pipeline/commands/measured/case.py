@@ -65,6 +65,14 @@ def init(
             "full; may be repeated. By default that of the name of the column, or the one that the values show.",
         ),
     ] = None,
+    names: Annotated[
+        str | None,
+        typer.Option(
+            "--names",
+            metavar="NAME,NAME,...",
+            help="Names of the columns of a log without a header line, from left to right.",
+        ),
+    ] = None,
     mapping: Annotated[
         Path | None,
         typer.Option(
@@ -115,24 +123,25 @@ def init(
 
     out = out or Path(log.stem)
     check_new(out)
-    names = [str(one) for one in KINDS]
-    if kind is not None and kind not in names:
-        raise InputError("--kind", got=kind, allowed=", ".join(names), nearest=nearest(kind, names))
+    kinds = [str(one) for one in KINDS]
+    if kind is not None and kind not in kinds:
+        raise InputError("--kind", got=kind, allowed=", ".join(kinds), nearest=nearest(kind, kinds))
     known = parsed(settings or ())
     _check_origin(log)
     for option, values, what in (
         ("--column", column, "names every column that is to be read"),
         ("--unit", unit, "names the unit of every column"),
+        ("--names", names, "has the names of the columns as header"),
     ):
         if values and mapping is not None:
             raise InputError(f"{option}: a mapping file {what}", cure="leave one of the two out, or edit the mapping")
-    table = read_log(log)
+    checked = None if mapping is None else read_mapping(mapping, list(KINDS.values()))
+    header = [name.strip() for name in names.split(",")] if names else []
+    table = read_log(log, header if checked is None else checked.header)
     of_kind = None if kind is None else CaseKind(kind)
     units = stated_units(unit or (), of_kind)
     columns = chosen_columns(column or (), table, of_kind, units)
-    checked = None
-    if mapping is not None:
-        checked = read_mapping(mapping, list(KINDS.values()))
+    if checked is not None:
         check_mapping(checked, KINDS[CaseKind(checked.kind)], table, str(mapping))
 
     def case_knowing(known: Mapping[str, float]) -> "tuple[NewCase, tuple[str, ...]]":
