@@ -10,8 +10,7 @@ from symolo.core.arrays import FloatImage
 _MIN_FREE = np.float32(0.5)
 """Share of a texel beside a body below which the light there is taken from a neighbour."""
 _GUIDE_ALBEDO = np.float32(0.5)
-"""Albedo of the floor as a guide of the denoiser. With a white floor beside black bodies, the denoised light has
-coloured fringes at their feet."""
+"""Albedo of the floor as a guide of the denoiser."""
 _UP = np.array((0.0, 0.0, 1.0), np.float32)
 
 
@@ -21,17 +20,19 @@ def without_noise(light: FloatImage, free: FloatImage, denoised: Denoiser, *, ke
     Args:
         light: Light on a floor that is black below bodies.
         free: Share (N, N, 1) of each texel that is not below a body.
-        denoised: Denoiser. It gets the floor below bodies as black: so light does not spread from one side of a wall to
-            the other, and the shadow at a foot keeps its shape.
+        denoised: Denoiser. It gets the floor below bodies as a mirror image of the floor beside them, with its noise.
+            If that floor were black, the denoised light at their feet would be too dark.
         keeps_mean: Whether the light that is not below bodies gets its mean back, of which the denoiser takes a part
             for noise. The ratio of two lights does not need it, because both lose about the same part.
     """
-    albedo = np.broadcast_to(_GUIDE_ALBEDO * free, light.shape)
-    even = denoised(light, np.broadcast_to(_UP, light.shape), albedo)
     known = free[..., 0] > _MIN_FREE
-    if keeps_mean and known.any():
-        even *= np.float32(lost_light_factor(light[known], even[known]))
-    return without_holes(even, free)
+    if not known.any():
+        return light
+    whole = _mirrored(without_holes(light, free), known)
+    even = denoised(whole, np.broadcast_to(_UP, light.shape), np.broadcast_to(_GUIDE_ALBEDO, light.shape))
+    if keeps_mean:
+        even *= np.float32(lost_light_factor(whole[known], even[known]))
+    return even[_nearest(known)]
 
 
 def without_holes(light: FloatImage, free: FloatImage) -> FloatImage:
@@ -42,15 +43,30 @@ def without_holes(light: FloatImage, free: FloatImage) -> FloatImage:
         free: Share (N, N, 1) of each texel that is not below a body.
     """
     known = free[..., 0] > _MIN_FREE
-    if not known.any():
-        return light
-    beside = light / np.maximum(free, _MIN_FREE)
+    return (light / np.maximum(free, _MIN_FREE))[_nearest(known)] if known.any() else light
+
+
+def _mirrored(light: FloatImage, known: np.ndarray) -> FloatImage:
+    """Return light (N, N, K) that is mirrored at the nearest known texel where it is not known, if it is known there.
+
+    Copies of the nearest texel would be stripes of the same noise, which a denoiser does not take for noise.
+    """
+    places = np.indices(known.shape)
+    rows, columns = (
+        np.clip(2 * at - place, 0, count - 1)
+        for at, place, count in zip(_nearest(known), places, known.shape, strict=True)
+    )
+    return np.where(known[rows, columns][..., None], light[rows, columns], light)
+
+
+def _nearest(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return row and column (N, N) of the known texel that is nearest to each texel, itself if it is known."""
     if known.all():
-        return beside
+        rows, columns = np.indices(known.shape)
+        return rows, columns
     # The nearest one, so that the floor beside a thin wall is not lit by what is behind the wall.
     holes = (~known).astype(np.uint8)
     _, labels = cv2.distanceTransformWithLabels(holes, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
-    nearest = np.asarray(labels, np.int64)
-    by_label = np.zeros((int(nearest.max()) + 1, light.shape[-1]), np.float32)
-    by_label[nearest[known]] = beside[known]
-    return by_label[nearest]
+    rows, columns = (np.zeros(int(labels.max()) + 1, np.int64) for _ in range(2))
+    rows[labels[known]], columns[labels[known]] = np.nonzero(known)
+    return rows[labels], columns[labels]

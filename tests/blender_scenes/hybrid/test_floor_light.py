@@ -51,9 +51,10 @@ SAMPLES, LIT_SHARE = 8, 0.3
 BEFORE, BEHIND = np.array([1.0, 0.9, 0.8]), np.array([4.0, 3.9, 3.6])
 
 
-def test_light_with_noise_is_right_on_both_sides_of_a_thin_wall_up_to_its_feet():
-    """A wall 10 mm thick, which stands askew, between shade and light: each texel has the mean of a few paths."""
-    wall = stood(block("wall", (0.0, 0.0, 0.1), (2.0, 0.01, 0.2), "any"), (0.19, 0.19, 1.45))
+@pytest.mark.parametrize("thick_m", [0.01, 0.05])
+def test_light_with_noise_is_right_on_both_sides_of_a_wall_up_to_its_feet(thick_m):
+    """A wall, which stands askew, between shade and light: each texel has the mean of a few paths."""
+    wall = stood(block("wall", (0.0, 0.0, 0.1), (2.0, thick_m, 0.2), "any"), (0.19, 0.19, 1.45))
     free = 1 - Footprints([wall]).covered(Tile((0.0, 0.0), TEXEL_M, SIDE, (0, 0, 0)))
     y, x = (np.indices((SIDE, SIDE)) + 0.5) * TEXEL_M - 0.19
     left = (x - y / np.tan(1.45) < 0)[..., None]
@@ -62,17 +63,17 @@ def test_light_with_noise_is_right_on_both_sides_of_a_thin_wall_up_to_its_feet()
     paths = random.random((SIDE, SIDE, SAMPLES)) < free
     meet = paths & (random.random((SIDE, SIDE, SAMPLES)) < LIT_SHARE)
     light = (true * meet.mean(axis=-1, keepdims=True) / LIT_SHARE).astype(np.float32)
-    even = without_noise(light, free, Denoiser(1, "HIGH"))
+    even = without_noise(light, free, Denoiser(1, "HIGH"), keeps_mean=True)
     # The texels that are wholly or partly beside the wall, less than three texels away from it.
-    away_m = np.abs(x * np.sin(1.45) - y * np.cos(1.45)) - 0.005
+    away_m = np.abs(x * np.sin(1.45) - y * np.cos(1.45)) - 0.5 * thick_m
     foot = (away_m > -0.5 * TEXEL_M) & (away_m < 3 * TEXEL_M)
     inner = np.s_[8:-8, 8:-8]
     off = (even / true - 1)[inner]
     for side in (left, ~left):
         near = (foot & side[..., 0])[inner]
         assert near.sum() > 200
-        assert off[near].mean() == pytest.approx(0.0, abs=0.05)
-        assert np.sqrt((off[near] ** 2).mean()) < 0.1
+        # The paths of these texels alone have a mean with a standard error of 0.03.
+        assert np.sqrt((off[near] ** 2).mean()) < 0.06
 
 
 def test_light_keeps_the_mean_of_its_samples_where_few_paths_bring_it():
