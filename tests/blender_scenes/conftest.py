@@ -62,15 +62,15 @@ import numpy as np
 out = os.fdopen(os.dup(1), "wb")
 os.dup2(2, 1)
 from blender_scenes.blender_side import build, engine
-from blender_scenes.blender_side.hybrid import images as hybrid_images
+from blender_scenes.blender_side.hybrid import floor_maps, images
 from blender_scenes.render.job import RenderJob
 orders, near_width_px, coarser, user_files = json.load(sys.stdin)
 if near_width_px:
-    mock.patch.object(hybrid_images, "_NEAR_WIDTH_PX", near_width_px).start()
+    mock.patch.object(images, "_NEAR_WIDTH_PX", near_width_px).start()
 for name in ("_IRRADIANCE", "_RELIEF"):
-    tiling = getattr(hybrid_images, name)
+    tiling = getattr(floor_maps, name)
     texel_m, core, margin = coarser * tiling.texel_m, tiling.core // coarser, tiling.margin // coarser
-    mock.patch.object(hybrid_images, name, replace(tiling, texel_m=texel_m, core=core, margin=margin)).start()
+    mock.patch.object(floor_maps, name, replace(tiling, texel_m=texel_m, core=core, margin=margin)).start()
 for job, threads, numbers in orders:
     job = RenderJob.from_json(job)
     by_number = {view.number: view for view in job.frames}
