@@ -29,6 +29,7 @@ from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight
 from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
+from blender_scenes.hybrid.moving_shade import denoised_pair
 from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import LightPanel, Mesh
@@ -137,7 +138,7 @@ class HybridRenderer:
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
         with_and_without = hard.rest if hard else (matt_light(moved), matt_light(still))
-        pair = [self._denoised(light, normal) for light in with_and_without]
+        pair = denoised_pair(*with_and_without, normal, self._denoised)
         shaded = hard.shaded if hard else ()
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
         floor_alone = is_floor(seen, self._near)
