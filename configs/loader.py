@@ -178,10 +178,12 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     root = read_file("scenario", path, failed=failed)
     if failed:
         raise together(_with_faults_elsewhere(root, failed))
-    root = _overridden(root, Scenario, overrides)
-    check_arena_is_used(root, displayed(path), overrides)
-    root, replaced = without_shipped_draws(with_posterior(root))
-    root = with_defaults(with_chosen(root), Shape.of(Scenario))
+    completed = _overridden(root, Scenario, overrides)
+    check_arena_is_used(completed, displayed(path), overrides)
+    root, replaced = without_shipped_draws(with_posterior(completed))
+    root = with_chosen(root)
+    if root is not completed:
+        root = with_defaults(root, Shape.of(Scenario))
     root, assets = _with_files(_with_shapes(root), Scenario)
     return replace(_checked(root, assets), replaced_draws=replaced)
 

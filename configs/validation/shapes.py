@@ -81,7 +81,7 @@ class Shape:
 
     def child(self, key: str | int, node: Node | None = None) -> "Shape | None":
         """Return the shape below a key; `node` is the mapping, whose tag selects one of several shapes."""
-        here = self._variant(node)
+        here = self.variant(node)
         return None if here is None else here.below(key)
 
     def below(self, key: str | int) -> "Shape | None":
@@ -111,7 +111,7 @@ class Shape:
         return shape
 
     def known_keys(self, node: Node | None = None) -> Iterator[str]:
-        here = self._variant(node)
+        here = self.variant(node)
         yield from here.fields if here else (self.tag_key,)
 
     def paths(self, above: FieldPath = ()) -> Iterator[FieldPath]:
@@ -164,7 +164,8 @@ class Shape:
         ending = f" with at least {min_items} item{'s' if min_items > 1 else ''}" if min_items else ""
         return _PLAIN_WORDS.get(schema.get("type", ""), "a mapping") + ending
 
-    def _variant(self, node: Node | None) -> "Shape | None":
+    def variant(self, node: Node | None) -> "Shape | None":
+        """Return the shape that the tag of a mapping selects; this one if it has no tag, None if the tag is unknown."""
         if not self.tag_key:
             return self
         tag = node.child(self.tag_key) if node else None
@@ -206,20 +207,31 @@ def with_defaults(node: Node, shape: Shape) -> Node:
         return Node(tuple(items), node.where)
     if not isinstance(node.value, dict) or node.is_distribution or shape.is_leaf:
         return node
-    fields = dict(node.value)
-    for key in shape.known_keys(node):
-        inner = shape.child(key, node)
-        if inner is None:
-            continue
-        if key not in fields and "default" in inner.schema and ALTERNATIVES.get(key) not in fields:
-            fields[key] = node_of(inner.schema["default"], node.where)
-        elif isinstance(fields.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
-            fields[key] = merge(node_of(inner.schema["default"], node.where), fields[key])
+    here = shape.variant(node)
+    if here is None:
+        return node
+    fields = _with_missing(node, here)
     for key, value in fields.items():
-        inner = shape.child(key, node)
+        inner = here.below(key) if isinstance(value.value, dict | tuple) else None
         if inner is not None:
             fields[key] = with_defaults(value, inner)
     return Node(fields, node.where)
+
+
+def _with_missing(node: Node, shape: Shape) -> dict[str, Node]:
+    """Return the fields of a mapping, and the defaults of those that it lacks."""
+    fields = dict(node.value) if isinstance(node.value, dict) else {}
+    for key in shape.fields:
+        inner = shape.below(key)
+        if inner is None or "default" not in inner.schema:
+            continue
+        default = inner.schema["default"]
+        if key not in fields:
+            if ALTERNATIVES.get(key) not in fields:
+                fields[key] = node_of(default, node.where)
+        elif isinstance(default, dict) and isinstance(fields[key].value, dict):
+            fields[key] = merge(node_of(default, node.where), fields[key])
+    return fields
 
 
 def shown_names(names: Sequence[object]) -> str:

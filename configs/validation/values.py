@@ -128,14 +128,30 @@ def validated(root: Node, model: type[Model], values: Values) -> Model:
         raise together(all_explained(error, root, Shape.of(model))) from None
 
 
-def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: ANN401 - whatever the file holds
-    """Return the plain tree with values in place of distributions."""
-    if path in values:
-        return values[path]
+def filled(root: Node, values: Values) -> Any:  # noqa: ANN401 - whatever the file holds
+    """Return the plain tree with values in place of distributions, for reading only."""
+    by_key: dict[str | int, Any] = {}
+    for (*above, key), value in values.items():
+        inner = by_key
+        for each in above:
+            inner = inner.setdefault(each, {})
+        inner[key] = value
+    return _filled(root, by_key)
+
+
+def _filled(node: Node, by_key: Mapping[str | int, Any]) -> Any:  # noqa: ANN401 - whatever the file holds
+    """Return the plain tree, for reading only: what holds no distribution is the same in all such trees."""
+
+    def below(key: str | int, child: Node) -> Any:  # noqa: ANN401 - whatever the file holds
+        if key not in by_key:
+            return child.plain_for_reading
+        inner = by_key[key]
+        return _filled(child, inner) if isinstance(inner, dict) else inner
+
     if isinstance(node.value, dict):
-        return {key: filled(child, values, (*path, key)) for key, child in node.value.items()}
+        return {key: below(key, child) for key, child in node.value.items()}
     if isinstance(node.value, tuple):
-        return [filled(child, values, (*path, index)) for index, child in enumerate(node.value)]
+        return [below(index, child) for index, child in enumerate(node.value)]
     return node.value
 
 

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,7 @@ def read_yaml(path: Path) -> Document:
         InputError: Something is not strict YAML; file, line and field path of the first fault are named.
     """
     name = displayed(path)
-    root = parse_yaml(_read_text(path, name), name)
+    root = _parsed_file(_read_text(path, name), name)
     if root.value is None:
         raise InputError("the file is empty", where=name, allowed="a mapping, such as 'name: example'")
     if not isinstance(root.value, dict):
@@ -65,6 +66,12 @@ def read_yaml(path: Path) -> Document:
         what = f"top level is {'a list' if isinstance(root.value, tuple) else 'a single value'}"
         raise InputError(what, where=root.where, allowed="a mapping, such as 'name: example'")
     return Document(path, root)
+
+
+@lru_cache(maxsize=32)
+def _parsed_file(text: str, name: str) -> Node:
+    """Return the nodes of a file, which nobody changes: a program that loads many scenarios reads most files again."""
+    return parse_yaml(text, name)
 
 
 def parse_yaml(text: str, name: str, *, with_lines: bool = True) -> Node:

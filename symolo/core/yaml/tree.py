@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 Scalar = str | int | float | bool | None
@@ -53,6 +54,11 @@ class Node:
         if isinstance(self.value, tuple):
             return [child.plain() for child in self.value]
         return self.value
+
+    @cached_property
+    def plain_for_reading(self) -> Any:  # noqa: ANN401 - whatever the file holds
+        """`plain`, made once for all who do not change it."""
+        return self.plain()
 
     def plain_at(self, path: FieldPath) -> Any:  # noqa: ANN401 - whatever the file holds
         node = self.at(path)
