@@ -2,6 +2,7 @@
 
 import random
 import time
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -70,10 +71,15 @@ def test_damaged_text_is_read_or_refused(cuts: list[tuple[float, int, str]]):
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.sampled_from(PATHS), st.sampled_from(VALUES)), min_size=1, max_size=3))
 def test_a_wrong_value_at_any_field_is_read_or_refused(changes: list[tuple[tuple[str | int, ...], Any]]):
-    tree = yaml.safe_load(TEXT)
+    tree = deepcopy(SCENARIO)
     for path, value in changes:
         _put(tree, path, value)
-    _read_or_refused(yaml.safe_dump(tree, sort_keys=False, default_flow_style=True).encode())
+    _read_or_refused(_written(tree))
+
+
+def _written(tree: object) -> bytes:
+    """Text that libyaml writes, which is ten times as fast as Python."""
+    return yaml.dump(tree, Dumper=yaml.CSafeDumper, sort_keys=False, default_flow_style=True).encode()
 
 
 def _put(tree: Any, path: tuple[str | int, ...], value: object) -> None:
@@ -97,10 +103,10 @@ def test_any_bytes_are_read_or_refused(content: bytes):
 def _mutated(rng: random.Random) -> bytes:
     """A shipped scenario with one to four changes: of passages, of values, or of bytes."""
     if rng.random() < 0.4:
-        tree = yaml.safe_load(TEXT)
+        tree = deepcopy(SCENARIO)
         for _ in range(rng.randint(1, 4)):
             _put(tree, rng.choice(PATHS), rng.choice(VALUES))
-        return yaml.safe_dump(tree, sort_keys=False, default_flow_style=True).encode()
+        return _written(tree)
     data = TEXT.encode()
     for _ in range(rng.randint(1, 4)):
         at, length = rng.randrange(len(data)), rng.choice((0, 0, 1, 5, 60, 600))
