@@ -57,7 +57,7 @@ def drive_along_the_room(folder, read=step_beyond, *, turns=False):
     for trial in range(1, 7):
         y_m = 0.45 + 0.1 * trial
         is_ahead = not turns or trial % 2 == 1
-        for row in range(80):
+        for row in range(50):
             t_s = ROW_S * row
             x_m = 1.3 + SWING_M * np.sin(RATE_RAD_S * t_s + trial)
             to_left_m, to_right_m = ROOM_Y_M - y_m, y_m
