@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 from configs.arena_generation import clearance
 from configs.arena_generation.generate import generate_arena
@@ -134,11 +135,11 @@ def test_nothing_but_obstacles_stands_in_reach_of_the_robot_or_ahead_of_it(arena
         points, yaws = sampled(arena, 0.04)
         decoys = [obstacle_footprint(o) for o in arena.obstacles if o.name.startswith("Decoy")]
         solid = np.concatenate([edge_points(r) for r in [wall_footprint(w) for w in arena.walls] + decoys])
-        assert np.hypot(*(solid[:, None] - points[None]).T).min() > limits.beside_m - 0.005
+        assert cdist(solid, points).min() > limits.beside_m - 0.005
         sensor = points + 0.085 * np.stack([np.cos(yaws), np.sin(yaws)], axis=1)
-        dx, dy = (solid[:, None] - sensor[None]).transpose(2, 0, 1)
-        solid_at, line_at = np.nonzero(np.hypot(dx, dy) <= limits.ahead_m - 0.02)
-        bearing = np.arctan2(dy[solid_at, line_at], dx[solid_at, line_at])
+        solid_at, line_at = np.nonzero(cdist(solid, sensor) <= limits.ahead_m - 0.02)
+        dx, dy = (solid[solid_at] - sensor[line_at]).T
+        bearing = np.arctan2(dy, dx)
         off_axis = np.abs(np.angle(np.exp(1j * (bearing - yaws[line_at]))))
         assert off_axis.min(initial=np.inf) >= math.radians(20)
 
@@ -150,8 +151,7 @@ def test_no_two_stretches_of_line_come_near_each_other(arenas):
         along = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         apart_along = np.abs(along[:, None] - along)
         apart_along = np.minimum(apart_along, along[-1] - apart_along)
-        apart = np.hypot(*(points[:, None] - points[None]).T)
-        assert apart[apart_along > 0.5].min() > limit_m - 0.04
+        assert cdist(points, points)[apart_along > 0.5].min() > limit_m - 0.04
 
 
 def test_every_obstacle_has_floor_to_pass_it_on_one_side(arenas):
@@ -172,7 +172,7 @@ def test_every_obstacle_has_floor_to_pass_it_on_one_side(arenas):
             rooms = []
             for side in (1.0, -1.0):
                 path = points[nearest] + np.outer(x + begin_m, along) + side * np.outer(aside, left)
-                rooms.append(np.hypot(*(solid[:, None] - path[None]).T).min())
+                rooms.append(cdist(solid, path).min())
             assert max(rooms) > ROBOT_HALF_DIAGONAL_M
 
 
