@@ -266,8 +266,9 @@ def _beside_random_drift(
     without_drift = evidence.without(drift.path_m) if drift.memory is None else evidence.beside(drift.memory)
     without_drift, selection_beside = selected(without_drift, bare, library.testable)
     structures = _structures_of(without_drift, selection_beside, adequacy(without_drift, selection_beside.fit))
-    # If the drift leaves a structure, it may itself be a part of the unknown cause.
-    if structures.has_cause:
+    # If the drift leaves a structure, it may itself be a part of the unknown cause. The likelihood of a bench is that
+    # of the whole process, so that a drift leaves nothing over time there.
+    if structures.has_cause or (drift.memory is not None and structures.changes_over_time):
         return evidence, selection, result, None
     return without_drift, selection_beside, structures, drift
 

@@ -112,6 +112,11 @@ class Adequacy:
         """Return whether there is a significant structure that is no mere disturbance of the log."""
         return any(s.p < LEVEL and not s.may_lack_cause for s in self.structures)
 
+    @property
+    def changes_over_time(self) -> bool:
+        """Return whether there is a significant structure over time."""
+        return any(s.p < LEVEL and s.is_over_time for s in self.structures)
+
     def of(self, observed: str) -> "Adequacy":
         """Return the same with the structures of one observed quantity only."""
         return Adequacy(tuple(structure for structure in self.structures if structure.observed == observed))

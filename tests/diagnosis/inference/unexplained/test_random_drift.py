@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnosis import diagnose as diagnose_module
 from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
+from diagnosis.inference.selection.selected import selected
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
 from diagnosis.inference.unexplained.drift import search as module
 from diagnosis.inference.unexplained.drift.random_drift import random_drift
 from diagnosis.report.report_data import report_data
@@ -84,6 +87,26 @@ def test_an_error_that_repeats_is_no_random_drift(diagnosed, period_s):
     diagnosis = diagnosed(lambda t_s: 0.003 * np.sin(2.0 * np.pi * t_s / period_s + 0.7))
     assert diagnosis.names == ()
     assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+
+
+@pytest.mark.parametrize(("period_s", "duty", "size_m"), [(27.0, 0.2, -0.0074), (54.0, 0.4, -0.01)])
+def test_an_offset_that_switches_on_and_off_is_no_random_drift(diagnosed, period_s, duty, size_m):
+    """A lamp that lights the target for a part of each period has harmonics that one wave lacks."""
+    diagnosis = diagnosed(lambda t_s: np.where((t_s / period_s + 0.3) % 1.0 < duty, size_m, 0.0))
+    assert diagnosis.names == ()
+    assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+
+
+@pytest.mark.parametrize(("p", "is_named"), [(1e-6, False), (0.5, True)])
+def test_a_random_drift_that_leaves_structure_over_time_is_a_part_of_it(drifting, monkeypatch, p, is_named):
+    """Half a sigma of any other error over time could be the drift of a zero, but that is what the drift explains."""
+    rows = np.ones((len(drifting.measured.values), 1))
+    over_time = Structure("reading_m", "reading_m", "t_s", "wave", p, 30.0, 0, rows, 0.5, is_over_time=True)
+    monkeypatch.setattr(diagnose_module, "_structures_of", lambda *_: Adequacy((over_time,)))
+    bare, library = drifting.selection.nominal.hypothesis, drifting.candidates
+    evidence, selection = selected(drifting.measured, bare, library.testable)
+    *_, drift = diagnose_module._beside_random_drift(evidence, bare, library, selection, drifting.adequacy)
+    assert (drift is not None) == is_named
 
 
 def test_a_random_drift_much_larger_than_the_noise_is_named(diagnosed):

@@ -1,0 +1,68 @@
+"""The likelihood of an offset that switches on and off with a period, beside white noise: a lamp near the target."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.inference.unexplained.drift.range_series import RangeSeries
+from symolo.core.arrays import Array
+
+MIN_PERIODS = 2.0
+"""Smallest number of periods; an error that does not repeat cannot be distinguished from a drift."""
+MIN_ROWS = 3.0
+"""Smallest mean number of rows in a period."""
+STEP = 1.0 / 8.0
+"""Step of the number of periods, by which the edges of the last one move by at most 1/16 of a period."""
+BINS = 32
+"""Parts of a period into which the rows are sorted at first."""
+REFINED = 3
+"""Number of periods near which the edges are computed row by row."""
+FINE_STEPS = 1.0 / 64.0 * np.arange(-4, 5)
+"""Changes of the number of periods that are tried there."""
+
+
+def squares_of_switching(series: RangeSeries) -> tuple[float, float]:
+    """Return the squares that the best offset leaves which switches on and off, and how many periods it could have.
+
+    The squares are in standard deviations of the rows, about a level of the readings while the offset is off.
+
+    Args:
+        series: The residuals in order of time.
+    """
+    reach = float(np.ptp(series.at))
+    max_periods = len(np.unique(series.at)) / MIN_ROWS
+    periods = np.arange(MIN_PERIODS, max_periods, STEP)
+    squares = float(series.z @ series.z)
+    if not len(periods) or reach <= 0.0:
+        return squares, 1.0
+    time, weight = (series.at - series.at[0]) / reach, series.sd_m**-2.0
+    coarse = np.array([_explained(*_in_bins(count * time % 1.0, weight, series.residual_m)) for count in periods])
+    best = 0.0
+    for count in periods[np.argsort(-coarse)[:REFINED]]:
+        for each in count + FINE_STEPS:
+            order = np.argsort(each * time % 1.0, kind="stable")
+            best = max(best, _explained(weight[order], (weight * series.residual_m)[order]))
+    return squares - best, max(1.0, max_periods - MIN_PERIODS)
+
+
+def _in_bins(phase: Array, weight: Array, residual_m: Array) -> tuple[Array, Array]:
+    """Return the sums of weights and of weighted residuals in each part of a period."""
+    part: NDArray[np.int64] = (BINS * phase).astype(np.int64)
+    inside, total = (np.bincount(part, values, BINS).astype(np.float64) for values in (weight, weight * residual_m))
+    return inside, total
+
+
+def _explained(weights: Array, sums: Array) -> float:
+    """Return the squares that two levels explain, one in a window of the phase and one outside it, at the best window.
+
+    Args:
+        weights: (n,), weights in order of the phase.
+        sums: (n,), weighted residuals.
+    """
+    upto = np.append(0.0, np.cumsum(weights)), np.append(0.0, np.cumsum(sums))
+    inside, inner = (np.subtract.outer(values, values) for values in upto)
+    outside, outer = upto[0][-1] - inside, upto[1][-1] - inner
+    # What is inside a window may as well be on as off, so that windows across the end of a period are complements.
+    is_window = (inside > 0.0) & (outside > 0.0)
+    both = np.divide(inner**2, inside, out=np.zeros_like(inner), where=is_window)
+    both += np.divide(outer**2, outside, out=np.zeros_like(inner), where=is_window)
+    return float(both.max())
