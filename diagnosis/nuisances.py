@@ -66,6 +66,8 @@ class Nuisance:
     session; None for parameters of the robot."""
     bounds: tuple[float, float] = field(default=(-inf, inf), kw_only=True)
     """Smallest and largest deviation, in tolerances."""
+    meaning: str = field(default="", kw_only=True)
+    """Meaning of a number that no nominal.yaml has, so that its tolerance is assumed; empty for the others."""
     rest: Array | None = field(default=None, compare=False, repr=False)
     """(N,), change of each sample that the multiple of `change` lacks at any size; None for none."""
 
@@ -134,7 +136,8 @@ def command_timing() -> Nuisance:
         present = robot.effects.get(InputDelay) or InputDelay.null()
         return robot.with_effect(InputDelay.model_construct(delay_s=present.delay_s + np.maximum(value, 0.0)))
 
-    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", changed)
+    meaning = "the time by which the voltages act later than the log states"
+    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", changed, meaning=meaning)
 
 
 CREEP_ON_THE_SPOT = 0.5
@@ -153,7 +156,8 @@ def creep_on_the_spot() -> Nuisance:
         return robot.with_effect(FloorSlope.model_construct(**fields))
 
     name, lowest = "creep_on_the_spot", -1.0 / CREEP_ON_THE_SPOT
-    return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", changed, bounds=(lowest, 0.0))
+    meaning = "the creep down a slope in a turn on the spot, relative to that on a straight line"
+    return Nuisance(name, 1.0, CREEP_ON_THE_SPOT, "1", changed, bounds=(lowest, 0.0), meaning=meaning)
 
 
 UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}

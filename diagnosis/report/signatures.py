@@ -19,7 +19,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.coordinate import Coordinate
 from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
-from diagnosis.inference.selection.refusal import needed
+from diagnosis.inference.naming.verdict import needed_for_name
 from symolo.core.arrays import Array
 
 ALIKE = 0.98
@@ -121,7 +121,7 @@ def _smallest(effect: CandidateEffect, significance: float) -> float:
     if significance < STILL:
         return inf
     distance = abs(_value(first, first.start) - _value(first, first.null))
-    return distance * sqrt(needed(effect)) / significance
+    return distance * sqrt(needed_for_name(effect)) / significance
 
 
 def _value(coordinate: Coordinate, x: float) -> float:

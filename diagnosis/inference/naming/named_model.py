@@ -10,7 +10,7 @@ from diagnosis.inference.fitting.fit import HypothesisFit
 from diagnosis.inference.fitting.hypothesis import CandidateEffect
 from diagnosis.inference.gain import Gain, gain_of
 from diagnosis.inference.naming.transfer import Group, contradiction, supports
-from diagnosis.inference.naming.verdict import MARGIN, SUBSTITUTE, NameEvidence, WithheldName, withheld
+from diagnosis.inference.naming.verdict import SUBSTITUTE, NameEvidence, WithheldName, margin, withheld
 from diagnosis.inference.selection.refusal import heldout_falls, is_at_bound, is_far_below_a_row, is_of_noise, needed
 from diagnosis.inference.selection.removal import cancelled_by, without
 from diagnosis.inference.selection.rivals import RivalComparison, compare_rivals, with_random_drift
@@ -20,7 +20,6 @@ from diagnosis.inference.unexplained.drift.random_drift import rise_with_drift
 from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import advantage, with_forms
-from sensors.effects.range_sensor.noise_scale import NoiseScale
 
 
 @dataclass(frozen=True)
@@ -148,5 +147,5 @@ def _name_evidence(
         confidence=comparison.confidence,
         is_far_below_a_row=is_far_below_a_row(fit, effect),
         # The statement, which the noise goes beyond, is the worst that is possible already.
-        margin=0.0 if effect.kind is NoiseScale else MARGIN,
+        margin=margin(effect),
     )

@@ -10,8 +10,10 @@ is anywhere near significance. Between explanation and discovery lies what the d
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from diagnosis.inference.selection.refusal import CLEAR
+from diagnosis.inference.fitting.hypothesis import CandidateEffect
+from diagnosis.inference.selection.refusal import CLEAR, needed
 from diagnosis.inference.unexplained.unlisted import BETTER
+from sensors.effects.range_sensor.noise_scale import NoiseScale
 from symolo.core.text_enum import TextEnum
 
 CHEAPER = 0.5
@@ -50,6 +52,16 @@ class CaseVerdict(TextEnum):
     """Effects are named, and structure remains that they do not explain."""
     UNEXPLAINED = "unexplained"
     """The data differ from the simulation, and no listed effect explains it."""
+
+
+def margin(effect: CandidateEffect) -> float:
+    """Return the fall of the cost beyond what the selection needs, from which the name of an effect stands."""
+    return 0.0 if effect.kind is NoiseScale else MARGIN
+
+
+def needed_for_name(effect: CandidateEffect) -> float:
+    """Return the fall of the cost of fitted and held-out rows from which an effect is named."""
+    return needed(effect) + margin(effect)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Sentences about voltages that changed between the rows of the log."""
 
+import numpy as np
+
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.early_voltages import EarlyPart
 from diagnosis.report.sentences.quantities import percent
@@ -12,11 +14,14 @@ def early_voltage_sentences(diagnosis: Diagnosis) -> str:
         return ""
     scatter = f", and this part varies by {percent(early.sd)} from change to change" if early.sd > 0.0 else ""
     rows = "Rows after a change are less certain for it, so that effects" if early.sd > 0.0 else "Effects"
+    steps = np.concatenate([np.diff(trial.t_s) for trial in diagnosis.measurement.trials])
+    time_ms = 1e3 * max(early.mean, early.sd) * float(np.median(steps))
     return (
-        "The voltages of the log changed between its rows: on average, "
-        f"{percent(early.mean)} of a change acted before the row that states it{scatter}. This is fitted with the "
-        f"robot and is no part of it. {rows} of the motors may stay hidden. A log with every change of the voltages "
-        "would show them."
+        "The voltages act as if they changed between the rows of the log: on average, "
+        f"{percent(early.mean)} of a change acted before the row that states it{scatter}. Times of the rows that are "
+        f"wrong by about {time_ms:.2g} ms look the same. This is fitted with the robot and is no part of it. {rows} of "
+        "the motors may stay hidden. A log with every change of the voltages would show them, or one with exact times, "
+        "if only these are wrong."
     )
 
 

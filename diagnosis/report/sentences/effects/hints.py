@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.naming.verdict import NEARLY
+from diagnosis.inference.naming.verdict import NEARLY, needed_for_name
 from diagnosis.inference.selection.refusal import needed
 
 
@@ -15,6 +15,5 @@ def hints(diagnosis: Diagnosis) -> Iterator[tuple[str, float, float]]:
     entries = sorted(diagnosis.selection.refused, key=lambda entry: -entry.drop)
     largest = {entry.effect.name: entry for entry in reversed(entries)}
     for entry in diagnosis.selection.refused:
-        threshold = needed(entry.effect)
-        if entry is largest[entry.effect.name] and NEARLY <= entry.drop < threshold:
-            yield entry.effect.name, entry.drop, threshold / entry.drop
+        if entry is largest[entry.effect.name] and NEARLY <= entry.drop < needed(entry.effect):
+            yield entry.effect.name, entry.drop, needed_for_name(entry.effect) / entry.drop

@@ -30,14 +30,22 @@ class ParameterOff:
     """Standard error of the fitted value."""
     tolerances: float
     """Deviation in tolerances."""
+    meaning: str
+    """Meaning of a number that no nominal.yaml has; empty for the others."""
 
     def text(self, sign: str) -> str:
         """Return the fitted and the nominal value, such as `track_m is 0.1498 ± 0.0004 m, not 0.144 m (...)`."""
         unit = "" if self.unit == "1" else f" {self.unit}"
+        name = f"{self.name}, {assumed(self.meaning)}," if self.meaning else self.name
         return (
-            f"{self.name} is {with_error(self.fitted, self.std, sign)}{unit}, not {self.nominal:.4g}{unit} "
+            f"{name} is {with_error(self.fitted, self.std, sign)}{unit}, not {self.nominal:.4g}{unit} "
             f"({self.tolerances:+.1f} tolerances of {self.tolerance:.2g}{unit})"
         )
+
+
+def assumed(meaning: str) -> str:
+    """Return the meaning of a number that no nominal.yaml has, and where its tolerance comes from."""
+    return f"{meaning} (no nominal.yaml has it; its tolerance is assumed)"
 
 
 def furthest_by_chance(parameters: int) -> float:
@@ -63,7 +71,7 @@ def parameters_off(fit: HypothesisFit) -> tuple[ParameterOff, ...]:
             fitted = deviated(nuisance, x)
             step = 0.5 * abs(deviated(nuisance, x + error) - deviated(nuisance, x - error))
             number = (nuisance.value, nuisance.tolerance, fitted, step, x)
-            off.append(ParameterOff(nuisance.name, nuisance.unit, *map(float, number)))
+            off.append(ParameterOff(nuisance.name, nuisance.unit, *map(float, number), meaning=nuisance.meaning))
     return tuple(off)
 
 
@@ -74,9 +82,10 @@ def off_sentences(diagnosis: Diagnosis, sign: str = "±") -> str:
         return ""
     beside = ", beside what is named" if diagnosis.names else ""
     what = "A number" if len(off) == 1 else f"{len(off)} numbers"
+    robot = "the nominal robot" if not all(each.meaning for each in off) else "the log"
     verb = "seems" if len(off) == 1 else "seem"
     listed = "; ".join(each.text(sign) for each in off)
-    text = f"{what} of the nominal robot {verb} to be wrong by more than the tolerance{beside}: {listed}."
+    text = f"{what} of {robot} {verb} to be wrong by more than the tolerance{beside}: {listed}."
     return f"{text} {_why(diagnosis, len(off))}"
 
 

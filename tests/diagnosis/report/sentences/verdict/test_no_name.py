@@ -37,7 +37,7 @@ def test_parameters_that_took_the_place_of_an_effect_are_listed_the_furthest_fir
     ohm = values["winding_resistance_ohm"] * (1.0 + 0.01 * resistance)
     how_far = f"2.0 tolerances of {numbers['winding_resistance_ohm']:.2g} %"
     assert f"winding_resistance_ohm by {resistance:+.2g} % to {ohm:.4g} ohm ({how_far}) and coulomb_friction" in text
-    assert "winding_resistance_scale would lower the cost by 4.5 only, and a name needs 15." in text
+    assert "winding_resistance_scale would lower the cost by 4.5 only, and a name needs 19." in text
 
 
 def test_the_instrument_that_would_decide_is_named(moved):

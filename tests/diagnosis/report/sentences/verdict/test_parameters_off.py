@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from diagnosis.nuisances import command_timing
 from diagnosis.report.answer import answer
 from diagnosis.report.page import page
 from diagnosis.report.sentences.verdict.headline import headline
+from diagnosis.report.sentences.verdict.no_name import why_no_name
 from diagnosis.report.sentences.verdict.parameters_off import furthest_by_chance, off_sentences, parameters_off
 from diagnosis.report.summary import summary
 
@@ -69,3 +71,16 @@ def test_every_file_of_the_answer_has_it(findings_of):
 
 def test_without_such_a_parameter_nothing_is_off(findings_of):
     assert answer(findings_of("plain"))["parameters_off"] == []
+
+
+def test_a_number_that_no_file_states_is_explained(diagnosis_of):
+    plain = diagnosis_of("plain")
+    hypothesis = replace(plain.fit.hypothesis, nuisances=(command_timing(), *plain.fit.hypothesis.nuisances[1:]))
+    diagnosis = moved(replace(plain, fit=replace(plain.fit, hypothesis=hypothesis)), {"command_timing_s": 4.0})
+    text = off_sentences(diagnosis)
+    assert text.startswith(
+        "A number of the log seems to be wrong by more than the tolerance: command_timing_s, the time"
+    )
+    assert "(no nominal.yaml has it; its tolerance is assumed), is 0.0020" in text
+    assert "nominal.yaml with smaller tolerances" not in why_no_name(diagnosis)
+    assert "command_timing_s by +4.0 tolerances of 0.0005 s" in why_no_name(diagnosis)
