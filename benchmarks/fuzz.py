@@ -117,7 +117,7 @@ def _parent(name: str, options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="symolo-fuzz-") as folder:
         place = Path(folder)
         total = Tally(place / "tally.json")
-        inputs = 0
+        inputs = covered = 0
         while (left := options.seconds - _spent(options, begin, begin_processor)) > 0.5:
             command = [
                 sys.executable,
@@ -135,6 +135,7 @@ def _parent(name: str, options: argparse.Namespace) -> int:
             with (place / "log").open("wb") as log:
                 ended = subprocess.run(command, stdout=log, stderr=log, check=False)
             total.read()
+            covered = max(covered, _covered((place / "log").read_text(errors="replace")))
             inputs, seed = inputs + total.inputs, seed + 1
             if ended.returncode == 0:
                 break
@@ -153,7 +154,8 @@ def _parent(name: str, options: argparse.Namespace) -> int:
                 Path(file).unlink(missing_ok=True)
                 del total.lines[problem]
     print(f"{name}: {inputs} inputs in {seconds:.0f} s ({processor_s:.0f} s of the processor), ", end="")
-    print(f"{inputs / processor_s:.0f} per second, {total.kept} kept, {len(total.lines)} failures", flush=True)
+    places = f"{covered} places of our code reached, " if covered else ""
+    print(f"{inputs / processor_s:.0f} per second, {total.kept} kept, {places}{len(total.lines)} failures", flush=True)
     for problem, file in sorted(total.lines.items()):
         print(f"  {problem}: {file}")
     return bool(total.lines)
@@ -176,6 +178,11 @@ def _processor_s() -> float:
 
 def _spent(options: argparse.Namespace, begin: float, begin_processor: float) -> float:
     return _processor_s() - begin_processor if options.processor else time.monotonic() - begin
+
+
+def _covered(log: str) -> int:
+    """Return the number of places of our code that libFuzzer has counted; 0 without atheris."""
+    return max(map(int, re.findall(r"cov: ([0-9]+)", log)), default=0)
 
 
 def _death(code: int, log: Path) -> str:
