@@ -1,5 +1,6 @@
 """The arena: floor, line, walls and obstacles, all in the world frame W (x, y on the floor, z up)."""
 
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
@@ -165,9 +166,15 @@ class Obstacle(Section):
             return obstacle
         if obstacle.mesh is not None:
             raise disagreement("shape", shape.kind, "none beside mesh", "leave out shape or mesh")
-        body = shape.triangles()
-        mesh = MeshFile(file=shape.kind, packed=body.packed())
-        return obstacle.model_copy(update={"shape": None, "mesh": mesh, "size": body.size})
+        mesh, size = _body(shape)  # pyright: ignore[reportArgumentType] - frozen models have a hash
+        return obstacle.model_copy(update={"shape": None, "mesh": mesh, "size": size})
+
+
+@lru_cache(maxsize=256)
+def _body(shape: ObstacleShape) -> tuple[MeshFile, tuple[float, float, float]]:
+    """Return the triangles of a shape as a specification has them, and its size; a scenario asks for each often."""
+    body = shape.triangles()
+    return MeshFile(file=shape.kind, packed=body.packed()), body.size
 
 
 class ArenaConfig(Section):
