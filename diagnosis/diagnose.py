@@ -37,7 +37,8 @@ from diagnosis.inference.unexplained.retained_effects import retained_effects
 from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.measured.measurement import Measurement
-from diagnosis.predictors import STAGES, check_kind
+from diagnosis.measured.predicted_kinds import check_kind
+from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from diagnosis.together import joint_nuisances, joint_stages

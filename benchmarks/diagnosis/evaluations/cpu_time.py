@@ -2,10 +2,10 @@
 
 The checkouts take turns at every case, each in a process of its own on one thread, so that a slow spell of the machine
 meets both. The time is from the file's rows to the answer, without what it takes to start. For drives, it is the time
-for each minute of log.
+for each minute of log. With --command, it is the time of `symolo diagnose` with its start and its report.
 
     python benchmarks/diagnosis/evaluations/cpu_time.py [OTHER_CHECKOUT] [--cases 12] [--seed 1] [--kinds motor_step]
-    python benchmarks/diagnosis/evaluations/cpu_time.py [OTHER_CHECKOUT] --folder DIR [--every 10]
+    python benchmarks/diagnosis/evaluations/cpu_time.py [OTHER_CHECKOUT] --folder DIR [--every 10] [--command]
 
 With --folder, the cases are those in DIR, such as independent ones (benchmarks/diagnosis/independent_cases).
 """
@@ -13,6 +13,7 @@ With --folder, the cases are those in DIR, such as independent ones (benchmarks/
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -36,15 +37,18 @@ measurement = read_measurement(Path(sys.argv[1]), IMPORTERS)
 is_drive = measurement.kind.value in ("drive_log", "symolo_csv")
 minutes = sum(trial.t_s[-1] for trial in measurement.trials) / 60 if is_drive else 1.0
 begin = time.process_time()
-answer = diagnose(measurement).answer()
-print(json.dumps({"seconds": (time.process_time() - begin) / minutes, "answer": answer}))
+answer = None if "--command" in sys.argv else diagnose(measurement).answer()
+print(json.dumps({"seconds": (time.process_time() - begin) / minutes, "answer": answer, "minutes": minutes}))
 """
+COMMAND = "import sys; from pipeline.cli import main; sys.exit(main())"
 
 
 @dataclass(frozen=True)
 class Run:
     seconds: float
     answer: dict
+    minutes: float
+    """Minutes of log of a drive; 1 for a bench."""
 
     @property
     def effects(self) -> list[tuple[str, frozenset[str]]]:
@@ -68,6 +72,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", default="motor_step")
     parser.add_argument("--folder", type=Path, help="folder of cases, in place of new ones")
+    parser.add_argument("--command", action="store_true", help="time the whole command, with its start and report")
     parser.add_argument("--every", type=int, default=1, help="of the cases, one of so many")
     arguments = parser.parse_args()
     kinds = arguments.kinds.split(",")
@@ -81,7 +86,7 @@ def main() -> None:
     several = []
     cases = cases_in(arguments.folder) if arguments.folder else new_cases(arguments.cases, arguments.seed, kinds)
     for case in islice(cases, 0, None, arguments.every):
-        runs = [run(checkout, case) for checkout in checkouts]
+        runs = [(run_of_command if arguments.command else run)(checkout, case) for checkout in checkouts]
         several.append(runs)
         names = ", ".join(name for name, _ in runs[-1].effects) or "nothing"
         times = "".join(f"{each.seconds:9.1f}" for each in runs)
@@ -111,11 +116,26 @@ def new_cases(number: int, seed: int, kinds: list[str]) -> Iterator[Path]:
 
 def run(checkout: Path, case: Path) -> Run:
     """Return a diagnosis by the code of a checkout."""
+    return Run(**json.loads(printed_by(checkout, DIAGNOSE, str(case.resolve()))))
+
+
+def run_of_command(checkout: Path, case: Path) -> Run:
+    """Return a diagnosis by the command of a checkout, with the time of all its processes."""
+    minutes = json.loads(printed_by(checkout, DIAGNOSE, str(case.resolve()), "--command"))["minutes"]
+    before_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    with tempfile.TemporaryDirectory() as folder:
+        words = ("diagnose", str(case.resolve()), "--out", f"{folder}/diagnosis", "--json")
+        answer = json.loads(printed_by(checkout, COMMAND, *words))
+    return Run((resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before_s) / minutes, answer, minutes)
+
+
+def printed_by(checkout: Path, program: str, *arguments: str) -> str:
+    """Return what a program prints with the code of a checkout."""
     alone = {"PYTHONPATH": str(checkout.resolve()), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-c", DIAGNOSE, str(case.resolve())]
+    command = [sys.executable, "-c", program, *arguments]
     # The folder that python runs in comes first among those it imports from.
     done = subprocess.run(command, cwd=checkout, env=os.environ | alone, check=True, capture_output=True, text=True)
-    return Run(**json.loads(done.stdout))
+    return done.stdout
 
 
 def difference(other: Run, here: Run) -> str:

@@ -285,8 +285,8 @@ def _waves(values: Array, known: Mask, max_waves: float) -> Iterator[Basis]:
     reach = float(np.ptp(values[known]))
     if np.count_nonzero(known) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    counts = np.arange(MIN_WAVES, min(max_waves, distinct / MIN_ROWS_PER_WAVE), 0.5)
+    counts, at = np.arange(MIN_WAVES, min(max_waves, distinct / MIN_ROWS_PER_WAVE), 0.5), np.where(known, values, 0.0)
     for count in counts.tolist():
-        angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
+        angle = 2.0 * np.pi * count * at / reach
         columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))
         yield Basis(columns, f"wave of {reach / count:.3g}", tries=len(counts))

@@ -196,8 +196,7 @@ def diagnose(
 
 def _check(case: "NamedCase", settings: "DiagnosisSettings", report: "Report") -> None:
     """Refuse the only case before anything is written, and report if it may take long."""
-    from diagnosis.dataset_comparison import check_drive
-    from diagnosis.predictors import check_kind
+    from diagnosis.measured.predicted_kinds import check_kind
     from pipeline.diagnosing.diagnose import read_case
     from pipeline.diagnosing.long_drives import long_drive_note
 
@@ -206,6 +205,8 @@ def _check(case: "NamedCase", settings: "DiagnosisSettings", report: "Report") -
     if note := long_drive_note(case.path, measurement):
         report.say(f"note: {note}")
     if settings.against is not None:
+        from diagnosis.dataset_comparison import check_drive
+
         check_drive(measurement, "CASE")
 
 

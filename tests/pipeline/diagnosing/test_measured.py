@@ -15,6 +15,7 @@ from diagnosis.examples.example import FOLDER as EXAMPLES
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import SampleQuality
 from diagnosis.measured.measurement import CaseKind
+from diagnosis.measured.predicted_kinds import PREDICTED_KINDS
 from diagnosis.predictors import STAGES
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.data_csv import no_target_code_m
@@ -212,6 +213,10 @@ def test_a_case_is_read_without_plots_images_and_fits():
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert "u_cmd_V" in ended.stdout
     assert set(ended.stderr.split()).isdisjoint({"pybullet", "bpy", "cv2", "matplotlib", "scipy"})
+
+
+def test_the_kinds_that_a_command_takes_without_loading_the_stages_are_those_with_stages():
+    assert tuple(STAGES) == PREDICTED_KINDS
 
 
 def test_a_diagnosis_loads_only_the_parts_of_scipy_that_every_diagnosis_needs():
