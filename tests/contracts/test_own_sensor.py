@@ -379,7 +379,7 @@ def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tm
     SENSORS.unload(path)
     read = type(spec).model_validate_json(spec.model_dump_json())
     assert read.model_dump_json() == spec.model_dump_json()
-    with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py \(.*not loaded; .*--sensor-file feeler"):
+    with pytest.raises(InputError, match=r"sensor feeler: its file feeler\.py \(.*not loaded, .*--sensor-file feeler"):
         build_sensors(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
 
 

@@ -76,7 +76,7 @@ def _with_code(data: bytes) -> bytes:
     line, _, content = data.partition(b"\n")
     tree = json.loads(content)
     robot = tree["scenario"]["robot"] if "scenario" in tree and "robot" not in tree else tree["robot"]
-    robot["sensors"] = {"front": {"kind": "feeler", "gain": 2}}
+    robot["sensors"] = {"front": {"kind": "feeler", "period_s": 0.05, "delay_s": 0.0, "gain": 2}}
     robot["effects"] = {"leaky_shunt": {"share": 0.05}}
     robot["sensor_files"], robot["effect_files"] = [_record("feeler")], [_record("leaky_shunt")]
     if "sensors" in tree or "columns" in tree:
