@@ -109,7 +109,8 @@ def _like(
     """Return the tree with a robot from the posterior, the drawn values by name, and their origin."""
     hypothesis = drawn_hypothesis(posterior, stream(*key, HYPOTHESIS))
     robot = drawn_robot(root, hypothesis, values, stream(*key, NUMBERS))
-    names = {HYPOTHESIS: hypothesis.name} | {f"robot.{field}": value for field, value in robot.numbers.items()}
+    names: dict[str, Scalar] = {HYPOTHESIS: hypothesis.name}
+    names |= {f"robot.{field}": value for field, value in robot.numbers.items()}
     measured = tuple(each for each in posterior.measured if each.quantity is not None)
     origin = DrawnFrom(sha256=posterior.sha256, hypothesis=hypothesis.name, measured=measured)
     return robot.on(root), names, origin

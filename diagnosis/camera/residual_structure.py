@@ -14,7 +14,8 @@ import numpy as np
 
 from diagnosis.camera.fit import CameraFit, without_frame_effects
 from diagnosis.camera.model import CameraModel
-from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, f_test
+from diagnosis.inference.unexplained.adequacy import LEVEL
+from diagnosis.inference.unexplained.score_test import CLIP, f_test
 from symolo.core.arrays import Array
 
 MIN_SHARE = 0.08
