@@ -120,10 +120,10 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
         notes.append(f"{path.name}: left out above the {'rows' if names else 'header'}: {plural(above, 'row')}")
     first_row = above + (1 if names else 2)
     head = lines[above].lstrip("# ")
-    separator = _separator(head)
+    separator = _separator_for(names, head) if names else _separator(head)
     header = list(names) or [cell.strip('"') for cell in cells_of(head, separator)]
     if names:
-        _check_names(names, cells_of(head.rstrip(separator), separator), f"{path}: row {above + 1}")
+        _check_names(names, cells_of(head, separator), f"{path}: row {above + 1}")
     _check_header(header, f"{path}: row {above + 1}")
     below = [lines[first_row - 1].lstrip("# "), *lines[first_row:]] if len(lines) >= first_row else []
     rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
@@ -165,17 +165,34 @@ def _separator(header: str) -> str:
     return max(SEPARATORS, key=header.count)
 
 
+def _separator_for(names: Sequence[str], row: str) -> str:
+    """Return the separator of a first row of values, in which commas may be decimal ones, by the number of names."""
+    fitting = [each for each in reversed(SEPARATORS) if row.count(each) in {len(names) - 1, len(names)}]
+    return next((each for each in fitting if each in row), _separator(row))
+
+
 def _titles(lines: Sequence[str]) -> int:
-    """Return the number of lines above the header that have another number of cells than it and all rows below it."""
+    """Return the number of lines above the header that have another number of cells than it, which all rows fit."""
     for number in range(1, min(MAX_TITLES, len(lines) - 2) + 1):
-        separator = _separator(lines[number])
-        counts = [len(cells_of(line.rstrip(separator), separator)) for line in lines if line.strip()]
-        titles = sum(bool(line.strip()) for line in lines[:number])
-        header, below = counts[titles], counts[titles + 1 :]
-        is_header = bool(lines[number].strip()) and not any(map(_is_number, _pieces(lines[number])))
-        if is_header and titles and header not in counts[:titles] and {*below} == {header}:
+        header, separator = lines[number], _separator(lines[number])
+        if not header.strip() or any(map(_is_number, _pieces(header))):
+            continue
+        titles = [len(cells_of(line.rstrip(separator), separator)) for line in lines[:number] if line.strip()]
+        count = len(cells_of(header, separator))
+        is_header = not {count, len(cells_of(header.rstrip(separator), separator))} & {*titles}
+        if titles and is_header and _fit(lines[number + 1 :], separator, count):
             return number
     return 0
+
+
+def _fit(lines: Sequence[str], separator: str, count: int) -> bool:
+    """Return whether all lines have a number of cells, or a separator behind these; the last one may be cut off."""
+    for line in filter(str.strip, lines):
+        cells = cells_of(line, separator)
+        is_cut_off = line is lines[-1] and len(lines) > 1 and len(cells) < count
+        if len(cells) != count and not (len(cells) == count + 1 and not cells[-1]) and not is_cut_off:
+            return False
+    return True
 
 
 def _header_rows(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Sequence[Sequence[str]]:
@@ -241,8 +258,13 @@ def _check_names(names: Sequence[str], cells: Sequence[str], where: str) -> None
     """Refuse names of columns that do not fit the first row (cells) of a file.
 
     Raises:
-        InputError: They are too few or too many, or the row is a header.
+        InputError: They are too few or too many, one is empty, or the row is a header.
     """
+    if "" in names:
+        cure = "name every column, also one that is not used"
+        raise InputError(f"name {[*names].index('') + 1} is empty", where=where, cure=cure)
+    if cells[-1] == "" and len(cells) > len(names):  # a separator at the end of each row
+        cells = cells[:-1]
     if len(names) != len(cells):
         allowed = f"{len(cells)}, one for each column"
         raise InputError(f"{len(names)} names for {len(cells)} columns", where=where, allowed=allowed)

@@ -126,3 +126,33 @@ def test_a_file_without_a_header_takes_names(tmp_path):
     path.write_text("t,x,y\n0,1,2\n")
     with pytest.raises(InputError, match=r"run.csv: row 1: the row is a header: got .*leave the names out"):
         read_log(path, ["t_s", "x_m", "y_m"])
+
+
+@pytest.mark.parametrize("rows", ["0,1,2\n1,2,\n2,3,4\n", "0,1,2\n1,2,3\n2,3", "0,1,2,\n1,2,3,\n", "0,,\n1,2,3\n"])
+def test_a_title_is_left_out_above_rows_with_an_empty_or_missing_end(rows, read):
+    log = read(f"Run 3\nt_s,x_m,y_m\n{rows}")
+    assert list(log.columns) == ["t_s", "x_m", "y_m"]
+    assert log.numbers("t_s")[:2].tolist() == [0.0, 1.0]
+
+
+def test_a_row_of_units_with_an_empty_end_does_not_make_the_header_a_title(read):
+    log = read("t,x,mode\ns,cm,\n0,1,2\n1,2,3\n")
+    assert list(log.columns) == ["t [s]", "x [cm]", "mode"]
+
+
+@pytest.mark.parametrize(
+    "text", ["0,1,\n0.05,2,3\n", "0,1,2,\n0.05,2,3,\n", "0,0;1;2\n0,05;2;3\n", "0,0;1,5;2,5\n0,05;2,5;3\n"]
+)
+def test_names_fit_a_first_row_with_an_empty_end_or_decimal_commas(text, tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text(text)
+    log = read_log(path, ["t_s", "x_m", "y_m"])
+    assert log.numbers("t_s").tolist() == [0.0, 0.05]
+    assert log.numbers("y_m")[1] == 3.0
+
+
+def test_an_empty_name_of_a_column_is_refused(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("0,1,2\n0.05,2,3\n")
+    with pytest.raises(InputError, match=r"row 1: name 2 is empty; name every column, also one that is not used"):
+        read_log(path, ["t_s", "", "y_m"])
