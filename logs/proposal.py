@@ -70,7 +70,7 @@ def propose_as(
             warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
         with faults.noted():
             try:
-                if combined := _combined(log, kind, name, column):
+                if combined := _combined(log, kind, name, column, units.get(name, "")):
                     source, reason = combined
                 elif name in units:
                     source, reason = _stated(kind, name, column, units[name], supply_V)
@@ -78,8 +78,9 @@ def propose_as(
                     source, reason = Source(column=column), ""
                 else:
                     source, reason = _recognised(log, kind, name, column, Known(sources, supply_V))
-            except UnknownUnitError as error:
-                if kind.unit_option:
+            except InputError as error:
+                others = {other: each for other, each in recognised.items() if other != name}
+                if name in chosen or name in units or not _may_lack(kind, name, others, error):
                     raise
                 warnings.append(f"{column} ({name}): taken for no quantity; {error}")
                 continue
@@ -120,19 +121,33 @@ def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Know
     return Source(column=column, unit="" if unit == ours else unit), reason
 
 
-def _combined(log: LogFile, kind: LogKind, name: str, column: str) -> tuple[Source, str] | None:
+def _may_lack(kind: LogKind, name: str, others: Mapping[str, str], error: InputError) -> bool:
+    """Return whether a log does without a quantity for which its columns are no good.
+
+    That is an orientation without a place, as of an inertial sensor that lies on its side.
+    """
+    if isinstance(error, UnknownUnitError):
+        return not kind.unit_option
+    return name == "theta_rad" and not {"x_m", "y_m"} <= others.keys() and kind.suffices(others)
+
+
+def _combined(log: LogFile, kind: LogKind, name: str, column: str, unit: str) -> tuple[Source, str] | None:
     """Return the source of a quantity that several columns give, and a note; None if it has one column.
 
     Raises:
-        InputError: The order of the components of a quaternion is not known, or they are none.
+        InputError: The order of the components of a quaternion is not known, they are none, or another unit is stated.
     """
     stamp = stamp_columns([*log.columns], kind.fillers)
-    if name == "t_s" and column in stamp[:1]:
-        return Source(column=column, nanoseconds=stamp[1]), ""
-    names = quaternion_columns([*log.columns], kind.fillers)
-    if name != "theta_rad" or column not in names:
+    quaternion = quaternion_columns([*log.columns], kind.fillers)
+    names = stamp if name == "t_s" and column in stamp[:1] else quaternion if name == "theta_rad" else ()
+    if column not in names:
         return None
-    where = str(log.path)
+    where, ours = str(log.path), kind.unit_of(name)
+    if unit and unit_of(unit) != ours:
+        what = f"{', '.join(names)} give {name} in {ours}"
+        raise InputError(what, where=f"{kind.unit_option} {name}", got=unit, cure="leave the unit out")
+    if names == stamp:
+        return Source(column=column, nanoseconds=stamp[1]), ""
     if len(names) == 4 and any(character.isdecimal() for character in names[0]):
         names = ordered(np.column_stack([log.numbers(each) for each in names]), names, where)
     components = np.column_stack([log.numbers(each) for each in names])

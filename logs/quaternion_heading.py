@@ -29,14 +29,6 @@ def heading_of(components: Array, where: str, names: Sequence[str]) -> Array:
         InputError: The components are no quaternion, or the body is usually tilted.
     """
     R_WB, known = _rotations(components, where, names)
-    tilts_rad = _tilts_rad(R_WB)
-    if len(tilts_rad) and (usual_rad := float(np.median(tilts_rad))) > MAX_USUAL_TILT_RAD:
-        raise InputError(
-            f"{', '.join(names)}: the z axis of the body is usually tilted by {np.degrees(usual_rad):.0f} degrees",
-            where=where,
-            cure="check that the columns are those of x, y, z and w, in this order; of a body with other axes, such as "
-            "a camera, write the heading of the robot into a column of its own",
-        )
     heading = np.full(len(components), np.nan)
     heading[known] = np.arctan2(R_WB[:, 1, 0], R_WB[:, 0, 0])
     return heading
@@ -46,7 +38,7 @@ def tilt_note(components: Array, where: str, names: Sequence[str]) -> str:
     """Return a sentence on the tilt of a body; empty if it is hardly tilted.
 
     Raises:
-        InputError: The components are no quaternion.
+        InputError: The components are no quaternion, or the body is usually tilted.
     """
     largest_rad = float(_tilts_rad(_rotations(components, where, names)[0]).max(initial=0.0))
     tilt = f"; tilts of up to {np.degrees(largest_rad):.0f} degrees are left out"
@@ -74,7 +66,11 @@ def ordered(components: Array, names: Sequence[str], where: str) -> tuple[str, .
 
 
 def _rotations(components: Array, where: str, names: Sequence[str]) -> tuple[Array, Array]:
-    """Return the rotations (M, 3, 3) of the rows whose components are all known, and which rows (N,) these are."""
+    """Return the rotations (M, 3, 3) of the rows whose components are all known, and which rows (N,) these are.
+
+    Raises:
+        InputError: The components are no quaternion, or the body is usually tilted.
+    """
     if components.shape[1] == 2:
         components = np.column_stack((np.zeros((len(components), 2)), components))
     lengths = np.linalg.norm(components, axis=1)
@@ -83,7 +79,16 @@ def _rotations(components: Array, where: str, names: Sequence[str]) -> tuple[Arr
     if abs(usual - 1.0) > MAX_OFF_LENGTH:
         what = f"{', '.join(names)}: no quaternion, since its length is usually {usual:.3g}"
         raise InputError(what, where=where, allowed="1", cure="name the columns of its components x, y, z and w")
-    return rotations(components[known]), known
+    R_WB = rotations(components[known])
+    tilts_rad = _tilts_rad(R_WB)
+    if len(tilts_rad) and (usual_rad := float(np.median(tilts_rad))) > MAX_USUAL_TILT_RAD:
+        raise InputError(
+            f"{', '.join(names)}: the z axis of the body is usually tilted by {np.degrees(usual_rad):.0f} degrees",
+            where=where,
+            cure="check that the columns are those of x, y, z and w, in this order; of a body with other axes, such as "
+            "a camera, write the heading of the robot into a column of its own",
+        )
+    return R_WB, known
 
 
 def _tilts_rad(R_WB: Array) -> Array:

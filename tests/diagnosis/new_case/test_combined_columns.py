@@ -159,3 +159,29 @@ def test_nanoseconds_that_cannot_be_some_are_refused(change, message, init, colu
     code, _, err, _ = init(logged, "--mapping", "other.yaml", "--out", "other")
     assert code == 2
     assert message in err
+
+
+@pytest.mark.parametrize(
+    ("unit", "logged", "message"),
+    [
+        ("theta_rad=deg", lambda columns: with_quaternion(columns, NAMES[0]), "qx, qy, qz, qw give theta_rad in rad"),
+        ("t_s=ms", lambda columns: stamped(columns, "secs", "nsecs"), "secs, nsecs give t_s in s"),
+    ],
+)
+def test_a_stated_unit_of_columns_that_have_one_together_is_refused(unit, logged, message, init, columns):
+    code, _, err, _ = init(logged(columns), "--unit", unit)
+    assert code == 2
+    assert message in err
+
+
+@pytest.mark.parametrize("xyzw", [(0.0, 0.0, 0.0, 0.0), (0.5, 0.5, 0.5, 0.5)])
+@pytest.mark.parametrize("names", [("qx", "qy", "qz", "qw"), ("q1", "q2", "q3", "q0")])
+def test_a_log_without_places_does_without_an_orientation_that_gives_no_heading(names, xyzw, init, columns):
+    """As of an inertial sensor that lies on its side or was never started."""
+    others = {name: column for name, column in columns.items() if name not in {"x_cm", "y_cm", "heading_deg"}}
+    numbers = ("supply_voltage_V=7.4", "ticks_per_turn=600", "wheel_diameter_m=0.066", "track_m=0.14")
+    settings = [text for number in numbers for text in ("--set", number)]
+    quaternion = {name: np.full(len(columns["time_ms"]), value) for name, value in zip(names, xyzw, strict=True)}
+    code, out, err, _ = init(others | quaternion, *settings)
+    assert (code, err) == (0, "")
+    assert "(theta_rad): taken for no quantity" in out
