@@ -44,7 +44,7 @@ class NamedEffect:
         effect, values = comparison.effect, dict(fit.hypothesis.values(comparison.effect, fit.x))
         ranges = seen_ranges(evidence, nominal, fit, effect)
         std = standard_errors(evidence, fit, effect)
-        std = std if other is None else other.wider(values, std)
+        std = std if other is None else other.wider(std)
         known = {name: getattr(fit.robot.effects.get(effect.kind), name) for name in effect.known}
         return cls(effect, values, std, comparison, ranges, file_numbers(evidence, fit, effect, std), known, other)
 

@@ -26,13 +26,14 @@ MIN_RISE = -50.0
 
 @dataclass(frozen=True)
 class OtherSize:
-    """Numbers of an effect beside a second one."""
+    """Change of the numbers of an effect beside a second one."""
 
     beside: str
     """Name of the second effect."""
     rise: float
     """Increase of the cost of all rows, with the penalties of the second effect."""
-    values: Mapping[str, float]
+    changes: Mapping[str, float]
+    """Changes of the numbers of the effect by the second one."""
 
     @property
     def weight(self) -> float:
@@ -40,10 +41,9 @@ class OtherSize:
         relative = relative_weight(max(self.rise, MIN_RISE))
         return relative / (1.0 + relative)
 
-    def wider(self, values: Mapping[str, float], std: Mapping[str, float]) -> dict[str, float]:
-        """Return the standard errors of the numbers without the second effect, with their differences from these."""
-        shifts = {name: self.values[name] - value for name, value in values.items()}
-        return {name: float(np.hypot(error, self.weight**0.5 * shifts[name])) for name, error in std.items()}
+    def wider(self, std: Mapping[str, float]) -> dict[str, float]:
+        """Return the standard errors of the numbers without the second effect, with their changes by it."""
+        return {name: float(np.hypot(error, self.weight**0.5 * self.changes[name])) for name, error in std.items()}
 
 
 def other_size(
@@ -74,4 +74,5 @@ def other_size(
         return None
     rise, larger = best
     second = larger.hypothesis.added_to(fit.hypothesis)
-    return OtherSize(second.name, rise + SECOND, dict(larger.hypothesis.values(effect, larger.x)))
+    changes = {name: value - values[name] for name, value in larger.hypothesis.values(effect, larger.x).items()}
+    return OtherSize(second.name, rise + SECOND, changes)

@@ -39,7 +39,7 @@ def _other_sizes(named: NamedEffect) -> Iterator[str]:
     """Yield the size beside a second effect that is not certain, if its weight matters."""
     other = named.other_size
     if other is not None and other.weight >= NOTABLE:
-        numbers = listed([f"{name} {value:.3g}" for name, value in other.values.items()])
+        numbers = listed([f"{name} {named.values[name] + change:.3g}" for name, change in other.changes.items()])
         yield (
             f"beside {other.beside}, which these data only hint at, it would be {numbers}; the standard errors include "
             f"this with a weight of {percent(other.weight)}, the profile intervals do not"

@@ -51,6 +51,15 @@ def test_an_offset_too_weak_for_a_name_widens_the_error_of_the_gain(fitted):
     assert error < 3.0 * named.std["gain"]
 
 
+def test_what_whole_runs_change_is_not_of_the_second_effect(fitted):
+    evidence, fit, gain, offset = fitted(2.4)
+    found, comparison = other_size(evidence, fit, gain, [gain, offset]), RivalComparison(gain, 0.97, ())
+    later = replace(fit, x=fit.x + 0.1, is_of_whole_runs=True)
+    before, after = (NamedEffect.of(evidence, fit, each, comparison, found) for each in (fit, later))
+    assert abs(after.values["gain"] - before.values["gain"]) > before.std["gain"]
+    assert after.std["gain"] == pytest.approx(before.std["gain"], rel=1e-3)
+
+
 def test_without_an_offset_there_is_no_other_size(fitted):
     evidence, fit, gain, offset = fitted(0.0)
     assert other_size(evidence, fit, gain, [gain, offset]) is None
@@ -68,8 +77,8 @@ def test_a_second_effect_that_leaves_the_number_is_none(evidence_of, hypothesis,
 
 @pytest.mark.parametrize(("rise", "weight"), [(0.0, 0.5), (1e3, 0.0), (-1e3, 1.0)])
 def test_the_difference_counts_with_the_weight_of_the_larger_model(rise, weight):
-    other = OtherSize("other", rise, {"delay_s": 0.02})
+    other = OtherSize("other", rise, {"delay_s": 0.013})
     assert other.weight == pytest.approx(weight, abs=1e-5)
-    wider = other.wider({"delay_s": 0.007}, {"delay_s": 0.0004})["delay_s"]
+    wider = other.wider({"delay_s": 0.0004})["delay_s"]
     assert wider == pytest.approx(np.sqrt(0.0004**2 + weight * 0.013**2), abs=1e-6)
     assert MOVED * 0.0004 < 0.013
