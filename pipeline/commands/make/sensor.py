@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.make.extract import extract_command
+from pipeline.commands.extract import extract_command
 from pipeline.commands.options import absent_file_check, checked_input, if_given
 
 HELP = "Write and check a sensor of your own, or look at those that there are."
