@@ -1,6 +1,6 @@
 """Units of columns whose names state none, from their values; a unit that the values do not show is asked for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source
 from logs.quantity import SUPPLY, LogKind, words
 from logs.times import usual_step
-from logs.units import PERCENT, factor_to, per_unit, taken_apart
+from logs.units import PERCENT, factor_to, per_unit, taken_apart, unit_of
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
@@ -51,7 +51,9 @@ class Known:
 
     sources: Mapping[str, Source]
     """Sources of the quantities that are mapped already."""
-    supply_V: float | None = None
+    columns: Collection[str]
+    """Columns of all quantities, mapped already or not."""
+    supply_V: float | None
     """Voltage of a full duty cycle; None if it is not known."""
 
 
@@ -109,7 +111,7 @@ def guessed(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -
     """
     values, ours = log.numbers(column), kind.unit_of(name)
     finite = values[np.isfinite(values)]
-    if not len(finite):
+    if not len(finite) or (ours and unit_of(column) == ours):
         return "", ""
     largest = float(np.abs(finite).max())
     if name == "theta_rad":

@@ -77,7 +77,8 @@ def propose_as(
                 elif name in left_open and not taken_apart(column).unit:
                     source, reason = Source(column=column), ""
                 else:
-                    source, reason = _recognised(log, kind, name, column, Known(sources, supply_V))
+                    known = Known(sources, recognised.values(), supply_V)
+                    source, reason = _recognised(log, kind, name, column, known)
             except InputError as error:
                 others = {other: each for other, each in recognised.items() if other != name}
                 if name in chosen or name in units or not _may_lack(kind, name, others, error):
@@ -106,7 +107,7 @@ def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Know
             f"a duty cycle in percent, times {_supply_text(kind, known.supply_V)}"
         )
     if DUTY & set(header.words) and not unit:
-        factor, reason = _of_duty(log, kind, known.supply_V)
+        factor, reason = _of_duty(log, kind, known)
         return Source(column=column, factor=factor), reason
     if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
         reason = f"taken for degrees; if a turn has 400, write unit: gon in {MAPPING}"
@@ -254,18 +255,17 @@ def _is_clockwise(header: HeaderName) -> bool:
     return bool(senses) and senses <= CLOCKWISE
 
 
-def _of_duty(log: LogFile, kind: LogKind, supply_V: float | None) -> tuple[float, str]:
+def _of_duty(log: LogFile, kind: LogKind, known: Known) -> tuple[float, str]:
     """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
-    columns = [column for column in kind.matched(list(log.columns)).values() if DUTY & {*taken_apart(column).words}]
     largest = 0.0
-    for column in columns:
+    for column in (column for column in known.columns if DUTY & {*taken_apart(column).words}):
         with suppress(InputError):
             largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
     full = next((full for full in FULL_DUTIES if largest <= full), largest)
     reason = f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
     doubt = f"; if the values are millivolts, write unit: mV without a factor in {MAPPING}"
-    text = f"{reason}, times {_supply_text(kind, supply_V)}{doubt if largest > MIN_MILLIVOLTS else ''}"
-    return (supply_V or USUAL_SUPPLY_V) / full, text
+    text = f"{reason}, times {_supply_text(kind, known.supply_V)}{doubt if largest > MIN_MILLIVOLTS else ''}"
+    return (known.supply_V or USUAL_SUPPLY_V) / full, text
 
 
 def _supply_text(kind: LogKind, supply_V: float | None) -> str:

@@ -125,3 +125,25 @@ def test_a_unit_is_stated_in_the_mapping_file_if_there_is_one(init, columns, tmp
     code, _, err, _ = init(columns, "--mapping", "mapping.yaml", "--unit", "t_s=ms")
     assert code == 2
     assert "--unit: a mapping file names the unit of every column" in err
+
+
+@pytest.mark.parametrize("largest", [150, 90])
+def test_chosen_columns_of_duty_cycles_share_the_full_value_of_the_largest_one(largest, init, columns, tmp_path):
+    """No name states a side, so that only the user knows which wheel is which."""
+    others = {name: column for name, column in columns.items() if not name.startswith("motor")}
+    duty = np.round(100.0 + 50.0 * np.sin(np.arange(len(columns["time_ms"])))).astype(int)
+    logged = others | {"pwm_1": duty, "pwm_2": duty * largest // 150}
+    chosen = [text for name in ("u_left_V=pwm_1", "u_right_V=pwm_2") for text in ("--column", name)]
+    numbers = ("supply_voltage_V=7.4", "ticks_per_turn=1440", "wheel_diameter_m=0.066", "track_m=0.14")
+    code, _, err, _ = init(logged, *chosen, *(text for number in numbers for text in ("--set", number)))
+    assert (code, err) == (0, "")
+    factors = [columns_of(tmp_path)[name]["factor"] for name in ("u_left_V", "u_right_V")]
+    assert factors == pytest.approx([7.4 / 255, 7.4 / 255])
+
+
+@pytest.mark.parametrize("scale", [0.1, 2.5])
+def test_a_column_that_is_called_by_a_unit_alone_is_in_it(scale, init, tmp_path):
+    u = scale * np.arange(1, 11)
+    code, _, err, _ = init({"V": u, "i [A]": np.round(0.2 + 0.01 * u, 4), "rpm": 20.0 * u})
+    assert (code, err) == (0, "")
+    assert columns_of(tmp_path)["u_cmd_V"] == {"column": "V"}
