@@ -27,7 +27,7 @@ PAGES = [
     *sorted((ROOT / "docs/exports").glob("*.md")),
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
-CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+CODE = re.compile(r"^    ([^\n]+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 REFUSED = re.compile(r"^    symolo (.+)\n+    symolo: ", re.MULTILINE)
 """Commands below which the page quotes the message by which they are refused."""
 
