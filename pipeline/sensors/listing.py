@@ -44,7 +44,7 @@ def sensor_text(kind: type[Sensor]) -> Iterator[str]:
     yield from settings
     if kind.is_listed():
         option = f"--sensor-file {shlex.quote(str(file.path))} " if file else ""
-        key = "NAME" if kind.is_rendered else kind.name
+        key = "left" if kind.is_rendered else kind.name
         setting = f"robot.sensors.{key}={f'{{kind: {kind.name}}}' if kind.is_rendered else '{}'}"
         yield f"  try it:      symolo {option}simulate smoke --set {shlex.quote(setting)} --out data"
 

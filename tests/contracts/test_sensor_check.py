@@ -2,10 +2,12 @@
 
 import hashlib
 import re
+import shlex
 
 import numpy as np
 import pytest
 
+from configs.loader import load_scenario
 from pipeline.sensors.template import template
 from pipeline.stages.simulate import simulate
 from sensors.registry import SENSORS
@@ -134,6 +136,14 @@ def test_one_kind_is_shown_with_its_columns_settings_and_file(symolo):
 def test_every_kind_is_shown(symolo, name):
     ended = symolo("sensor", "show", name)
     assert (ended.code, ended.out.splitlines()[0]) == (0, name)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SENSORS.shipped if kind.is_listed()], ids=lambda kind: kind.name)
+def test_the_command_that_is_shown_gives_a_robot_such_a_sensor(symolo, kind):
+    command = shlex.split(symolo("sensor", "show", kind.name).out.splitlines()[-1].partition("try it:")[2])
+    assert command[:3] == ["symolo", "simulate", "smoke"]
+    setting = command[command.index("--set") + 1]
+    assert any(name in setting for name in load_scenario("smoke", [setting]).tree["robot"]["sensors"])
 
 
 def test_a_kind_of_ones_own_is_shown_with_its_file_and_option(tmp_path, symolo):
