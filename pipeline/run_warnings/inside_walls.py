@@ -23,20 +23,24 @@ def inside_walls(spec: RunSpec) -> Iterator[Suspicion]:
             if not outlines_overlap(body.corners(), _smaller_outline(obstacle)):
                 continue
             x, y = obstacle.center
+            seen_by = "images and range sensors" if obstacle.solid else "images"
             yield Suspicion(
                 f"{obstacle.name} inside wall {wall.name}",
                 f"obstacle {obstacle.name} at x = {x:g}, y = {y:g} m stands partly inside wall {wall.name}, so that"
-                f" images and range sensors see both in one place: move it (arena.obstacles.{index}.center), or let the"
-                " wall end there",
+                f" {seen_by} see both in one place: move it (arena.obstacles.{index}.center), or let the wall end"
+                " there",
             )
 
 
 def _smaller_outline(obstacle: Obstacle) -> tuple[Point, ...]:
-    """Return the corners around an obstacle on the floor, x and y [m] in W, moved inwards by the tolerance."""
+    """Return the corners around an obstacle on the floor, x and y [m] in W, moved inwards by the tolerance.
+
+    Those of a thin obstacle are moved by a quarter of its thickness at most, so that they do not meet.
+    """
     center, yaw_rad, size = obstacle.center, math.radians(obstacle.yaw_deg), np.array(obstacle.size[:2])
     corners = 0.5 * size * [(-1, -1), (1, -1), (1, 1), (-1, 1)]
     if obstacle.mesh is not None:
         corners = unpacked(obstacle.mesh.packed).vertices[:, :2]
-    smaller = corners * np.maximum(1.0 - 2.0 * TOLERANCE_M / size, 0.0)
+    smaller = corners * np.maximum(1.0 - 2.0 * TOLERANCE_M / size, 0.5)
     c, s = math.cos(yaw_rad), math.sin(yaw_rad)
     return convex_outline([(x, y) for x, y in (center + smaller @ np.array([[c, s], [-s, c]])).tolist()])

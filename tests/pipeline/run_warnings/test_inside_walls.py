@@ -28,6 +28,8 @@ def specs_of(obstacle, *settings):
         "center: [0.5, 1.96], shape: {kind: cylinder, radius_m: 0.05}",
         "center: [{uniform: [0.4, 0.5]}, 2.0]",
         "center: [0.5, 2.0], solid: false",
+        "center: [0.5, 2.005], size: [0.002, 0.002, 0.1]",
+        "center: [0.5, 2.01], size: [0.3, 0.002, 0.1]",
     ],
 )
 def test_an_obstacle_across_a_wall_is_named_with_its_place(obstacle):
@@ -42,6 +44,7 @@ def test_an_obstacle_across_a_wall_is_named_with_its_place(obstacle):
     [
         "center: [0.5, 1.9], size: [0.3, 0.2, 0.1]",  # flush with the face
         "center: [0.5, 1.9005], size: [0.3, 0.2, 0.1]",
+        "center: [0.5, 1.999], size: [0.002, 0.002, 0.1]",
         "center: [0.5, 2.12], size: [0.3, 0.2, 0.1]",  # behind the wall
         "center: [1.6, 2.01], size: [0.2, 0.01, 0.1]",  # beside its end
         "center: [0.5, 1.85], size: [0.2, 0.2, 0.1], yaw_deg: 45",
@@ -51,6 +54,13 @@ def test_an_obstacle_across_a_wall_is_named_with_its_place(obstacle):
 )
 def test_an_obstacle_beside_a_wall_is_usual(obstacle):
     assert list(inside_walls(specs_of(obstacle)[0])) == []
+
+
+def test_what_range_sensors_do_not_see_is_in_images_alone():
+    (solid,) = plan_warnings(specs_of("center: [0.5, 2.0]"))
+    (furniture,) = plan_warnings(specs_of("center: [0.5, 2.0], solid: false"))
+    assert "images and range sensors see" in solid
+    assert "images see" in furniture
 
 
 @pytest.mark.parametrize("scenario", shipped_names("scenario"))
