@@ -17,10 +17,11 @@ TOLERANCE_M = 0.001
 
 def inside_walls(spec: RunSpec) -> Iterator[Suspicion]:
     """Yield each wall and obstacle that share a part of the floor at the start of the run."""
+    obstacles = [(obstacle, _smaller_outline(obstacle)) for obstacle in spec.arena.obstacles]
     for wall in spec.arena.walls:
         body = wall_footprint(wall)
-        for index, obstacle in enumerate(spec.arena.obstacles):
-            if not outlines_overlap(body.corners(), _smaller_outline(obstacle)):
+        for index, (obstacle, outline) in enumerate(obstacles):
+            if not outlines_overlap(body.corners(), outline):
                 continue
             x, y = obstacle.center
             seen_by = "images and range sensors" if obstacle.solid else "images"
