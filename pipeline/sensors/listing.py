@@ -45,7 +45,9 @@ def sensor_text(kind: type[Sensor]) -> Iterator[str]:
     if kind.is_listed():
         option = f"--sensor-file {shlex.quote(str(file.path))} " if file else ""
         key = "left" if kind.is_rendered else kind.name
-        setting = f"robot.sensors.{key}={f'{{kind: {kind.name}}}' if kind.is_rendered else '{}'}"
+        fields = [f"kind: {kind.name}"] if kind.is_rendered else []
+        fields += [f"{name}: VALUE" for name in _without_default(kind)]
+        setting = f"robot.sensors.{key}={{{', '.join(fields)}}}"
         yield f"  try it:      symolo {option}simulate smoke --set {shlex.quote(setting)} --out data"
 
 
@@ -54,10 +56,17 @@ def _column_lines(kind: type[Sensor]) -> Iterator[str]:
     if kind.is_rendered:
         yield "  readings:    images"
         return
-    columns = kind.columns_of(kind.Settings()) if issubclass(kind.Settings, SensorSettings) else kind.columns
-    yield "  columns, with the default settings:" if columns else "  columns:     none in a dataset"
+    columns = kind.columns
+    if issubclass(kind.Settings, SensorSettings) and not _without_default(kind):
+        columns = kind.columns_of(kind.Settings())
+    without = "they depend on the settings" if kind.is_listed() else "none in a dataset"
+    yield "  columns, with the default settings:" if columns else f"  columns:     {without}"
     for column in columns:
         yield f"    {column.title} [{column.unit}]: {_in_one_line(column.meaning)}"
+
+
+def _without_default(kind: type[Sensor]) -> list[str]:
+    return [name for name, field in kind.Settings.model_fields.items() if field.is_required()]
 
 
 def _setting_lines(shape: Shape, above: str = "", defaults: Mapping[str, Any] | None = None) -> Iterator[str]:

@@ -157,6 +157,18 @@ def test_a_kind_of_ones_own_is_shown_with_its_file_and_option(tmp_path, symolo):
     assert f"symolo --sensor-file {path} simulate smoke --set 'robot.sensors.compass={{}}'" in out
 
 
+def test_a_kind_with_a_setting_without_default_is_shown(tmp_path, symolo):
+    path = tmp_path / "compass.py"
+    path.write_text(GOOD.replace("offset_deg: float = Field(default=0.0, ", "offset_deg: float = Field("))
+    try:
+        out = symolo("--sensor-file", path, "sensor", "show", "compass").out
+    finally:
+        SENSORS.unload(path)
+    assert "offset_deg: number >= -180 and <= 180, no default" in out
+    assert "heading [rad]: heading from +x" in out
+    assert "robot.sensors.compass={offset_deg: VALUE}" in out
+
+
 def test_an_unknown_kind_is_answered_by_the_nearest(symolo):
     ended = symolo("sensor", "show", "lidr")
     assert (ended.code, "did you mean lidar" in ended.err, "symolo --sensor-file FILE" in ended.err) == (2, True, True)
