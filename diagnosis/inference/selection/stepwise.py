@@ -7,9 +7,9 @@ single test, since dozens of effects are tried. The search for pairs (below) tri
 theory says that the threshold suffices for them, and the evidence is the benches with nothing hidden in the evaluation
 (docs/diagnosis_evaluation.md). Afterwards each effect is compared with every other in its place, and
 with no effect, because the first effect may have been a substitute for two later ones. The best single effect need not
-be one of the best pair, so pairs that begin with each of the best few effects are compared with the result, too (beam
-search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3). Two effects that compensate each other
-explain little alone, so the pairs that are expected to explain most together are compared as well.
+be one of the best pair, so pairs that begin with each of the best few effects are compared with the result, too, even
+if it has three effects (beam search: Russell and Norvig, Artificial Intelligence, 4th ed., section 4.1.3). Two effects
+that compensate each other explain little alone, so those that should explain most together are compared as well.
 """
 
 from collections.abc import Sequence
@@ -108,7 +108,7 @@ def select(
     fit, tried = grown(evidence, base, fit, effects)
     entries += tried
     pairs: list[HypothesisFit] = []
-    if 1 <= len(fit.hypothesis.effects) <= 2:
+    if fit.hypothesis.effects:
         is_short = np.count_nonzero(evidence.fit) <= BEAM_SAMPLES
         pairs = _pairs(evidence, base, effects) if is_short else _other_pairs(evidence, base, fit, effects)
         pair = _best_pair(evidence, base, pairs, fit) if pairs else fit
@@ -152,9 +152,7 @@ def _entries_of(evidence: Evidence, pair: HypothesisFit) -> list[Entry]:
 
 
 def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
-    """Return the fits with two effects that begin with one of the best single effects, and those that compensate.
-
-    They come best first.
+    """Return the fits with two effects that begin with one of the best, and those that compensate, the best first.
 
     Args:
         evidence: The observations.
@@ -177,20 +175,21 @@ def _pairs(evidence: Evidence, base: HypothesisFit, effects: Sequence[CandidateE
 def _other_pairs(
     evidence: Evidence, base: HypothesisFit, fit: HypothesisFit, effects: Sequence[CandidateEffect]
 ) -> list[HypothesisFit]:
-    """Return fits with two effects in the place of both of a fit, the best first; none with several stages.
+    """Return fits with two effects in the place of all of a fit, the best first; none with several stages.
 
     Swaps of one effect miss two factors of the sensors that only together replace two numbers of a motor.
     """
     if len(fit.hypothesis.effects) < 2 or len(evidence.stages) > 1:
         return []
-    prospects = scan_pairs(evidence, base, _beside(fit, effects))[:OTHER_PAIRS]
+    others = _beside(fit, effects) if len(fit.hypothesis.effects) == 2 else effects
+    prospects = scan_pairs(evidence, base, others)[:OTHER_PAIRS]
     return ranked(fits(evidence, [(p.hypothesis, p.start) for p in prospects], fit.cost), effects)
 
 
 def _best_pair(
     evidence: Evidence, base: HypothesisFit, pairs: Sequence[HypothesisFit], fit: HypothesisFit
 ) -> HypothesisFit:
-    """Return the best pair, if it explains more than a fit with one or two effects; otherwise the fit.
+    """Return the best pair, if it explains more than a fit with one to three effects; otherwise the fit.
 
     Args:
         evidence: The observations.
@@ -222,7 +221,7 @@ def _cancels(evidence: Evidence, base: HypothesisFit, fit: HypothesisFit) -> boo
 
 
 def _is_better(pair: HypothesisFit, fit: HypothesisFit) -> bool:
-    """Return whether a pair of effects explains more than another pair or a single effect."""
+    """Return whether a pair of effects explains more than another pair, or enough for a single effect or three."""
     if len(fit.hypothesis.effects) == 2:
         return pair.cost + parameter_penalty(pair) < fit.cost + parameter_penalty(fit)
     return pair.cost + _needed(pair) < fit.cost + _needed(fit)
@@ -345,7 +344,7 @@ def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffec
 
 
 def _needed(fit: HypothesisFit) -> float:
-    return sum(map(needed, fit.hypothesis.effects))
+    return sum(map(needed, fit.hypothesis.effects)) + THIRD * (len(fit.hypothesis.effects) == MAX_EFFECTS)
 
 
 def replaced(

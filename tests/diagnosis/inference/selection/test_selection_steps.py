@@ -236,11 +236,14 @@ def test_an_earlier_effect_gives_way_to_one_that_explains_more(evidence_of, fitt
         (["current_sensor_gain", "current_limit"], 0.1, True),
         (["current_sensor_gain", "friction_warmup"], -6.1, False),
         (["current_sensor_gain", "friction_warmup"], -5.9, True),
+        (["current_sensor_gain", "torque_constant_scale", "current_limit"], -27.1, False),
+        (["current_sensor_gain", "torque_constant_scale", "current_limit"], -26.9, True),
     ],
 )
 def test_a_pair_needs_15_more_than_a_single_effect_and_6_for_each_parameter_more_than_another_pair(
     evidence_of, fitted, names, drop, is_better
 ):
+    """Three effects need 15 and 12 more than a pair."""
     evidence = evidence_of(X, X)
     pair = replace(fitted(evidence, "current_sensor_gain", "current_sensor_offset"), cost=100.0)
     assert _is_better(pair, replace(fitted(evidence, *names), cost=100.0 + drop)) is is_better
@@ -312,11 +315,23 @@ def test_of_two_pairs_held_out_rows_do_not_choose(evidence_of, fitted):
     assert not _is_better(worse, replace(best, z=np.where(evidence.heldout, 1.0, best.z)))
 
 
-@pytest.mark.parametrize("effects", [(), (1, 2, 3)], ids=["none", "three"])
-def test_no_pairs_are_tried_beside_three_effects_or_where_none_is_needed(
-    evidence_of, hypothesis, effect, monkeypatch, effects
+def test_two_effects_that_explain_as_much_as_three_others_take_their_place(
+    evidence_of, fitted, hypothesis, effect, monkeypatch
 ):
-    grown: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=effects))
+    names = ("current_sensor_gain", "current_sensor_offset")
+    evidence = evidence_of(X, 1.4 * X + 0.05)
+    three = replace(
+        fitted(evidence, "current_limit", "stribeck_friction", names[1]), cost=fitted(evidence, *names).cost
+    )
+    steps = iter([(three, [])])
+    monkeypatch.setattr(module, "grown", lambda _, __, fit, ___: next(steps, (fit, [])))
+    effects = [effect(name) for name in (*names, "current_limit", "stribeck_friction")]
+    chosen = select(evidence, hypothesis, effects)
+    assert set(chosen.names) == set(names)
+
+
+def test_no_pairs_are_tried_where_no_effect_is_needed(evidence_of, hypothesis, effect, monkeypatch):
+    grown: Any = SimpleNamespace(hypothesis=SimpleNamespace(effects=()))
     monkeypatch.setattr(module, "grown", lambda *_: (grown, []))
     monkeypatch.setattr(module, "_best_pair", lambda *_: pytest.fail("pairs were tried"))
     monkeypatch.setattr(module, "_pairs", lambda *_: pytest.fail("pairs were tried"))
