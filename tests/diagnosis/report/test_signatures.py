@@ -50,10 +50,10 @@ def test_an_offset_of_30_mA_moves_a_current_of_1_mA_noise_by_30_sigma_and_no_spe
 
 
 def test_the_smallest_offset_that_would_be_named_falls_with_the_root_of_the_rows(signed_case):
-    """n rows hold a mean to sd / sqrt(n), and the fall of the cost that names it is 15."""
+    """n rows hold a mean to sd / sqrt(n), and the fall of the cost from which its name stands is 19."""
     matrix, evidence = signed_case
     rows = np.count_nonzero(evidence.fit[evidence.places[0]])
-    expected = math.sqrt(15.0) * 0.001 / math.sqrt(weight_of(rows))
+    expected = math.sqrt(19.0) * 0.001 / math.sqrt(weight_of(rows))
     assert row(matrix, "current_sensor_offset").smallest == pytest.approx(expected)
 
 
