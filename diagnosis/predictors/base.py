@@ -117,6 +117,8 @@ class SharedFunctions:
     responses: Callable[[], Array] = field(compare=False, repr=False)
     """Function that returns the changes (n, k) of the prediction by each function, in any unit that the quantities
     share."""
+    places: Array = field(compare=False, repr=False)
+    """(n, 2), x and y [m] to which each sample belongs, for plots."""
 
 
 @dataclass(frozen=True)

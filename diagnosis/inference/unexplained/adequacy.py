@@ -79,6 +79,13 @@ class Structure:
     structure, because counts have no zero that may drift."""
     is_of_outliers: bool = False
     """Whether the structure may be a few outliers in successive rows, which a logger can cause."""
+    further: tuple[str, ...] = ()
+    """Further observed quantities that share the structure."""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Return the names of all observed quantities with the structure."""
+        return (self.observed, *self.further)
 
     @property
     def is_drift(self) -> bool:
@@ -144,7 +151,7 @@ def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None
     # Bonferroni: with so many tests, one of them would reject an adequate model by chance.
     whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
     row_forms = (RUNS_OF_ROWS, RUNS_OF_OUTLIERS, CLUSTER)
-    explained = {s.observed for s in whole if s.p < LEVEL and s.what not in row_forms}
+    explained = {name for s in whole if s.p < LEVEL and s.what not in row_forms for name in s.quantities}
     # A function of a covariate also makes single rows stand out, which then add nothing.
     structures = [s for s in whole if s.what not in row_forms or s.observed not in explained]
     return Adequacy(tuple(sorted(structures, key=lambda s: (s.p, -s.explainable))))
@@ -244,7 +251,7 @@ def _enough_rows(columns: Array) -> Mask:
 def _shared_structure(  # noqa: PLR0917 - a set of functions, and the result of its test
     evidence: Evidence, numbers: range, shared: SharedFunctions, columns: Array, p: float, gain: float
 ) -> Structure:
-    """Return the structure by shared functions, of the first quantity of their stage."""
+    """Return the structure by functions that the quantities of a stage share."""
     observed = evidence.observed[numbers[0]]
     rows = evidence.fit & np.isin(evidence.quantity, numbers)
     return Structure(
@@ -258,6 +265,7 @@ def _shared_structure(  # noqa: PLR0917 - a set of functions, and the result of 
         basis=columns,
         size=float(np.sqrt(gain / evidence.weight[rows].sum())),
         is_over_time=False,
+        further=tuple(evidence.observed[number].name for number in numbers[1:]),
     )
 
 

@@ -51,9 +51,9 @@ def with_scatter(evidence: Evidence, fit: HypothesisFit, result: Adequacy) -> Ad
         p = float(chdtrc(degrees, squares / widened(quantity.readings))) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
-            scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)}"))
+            scatters.append(replace(best, p=p, what=f"{SCATTER} {_times(float(times), z)}", further=()))
     # Where the mean has structure, the residuals differ in size as well.
-    shapes = {structure.observed for structure in result.structures if structure.p < LEVEL}
+    shapes = {name for structure in result.structures if structure.p < LEVEL for name in structure.quantities}
     uneven = [structure for structure in uneven_noise(evidence, fit) if structure.observed not in shapes]
     return Adequacy(tuple(sorted((*scatters, *uneven, *result.structures), key=lambda structure: structure.p)))
 

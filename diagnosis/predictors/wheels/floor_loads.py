@@ -81,8 +81,8 @@ def floor_loads(
                 [_Axis(path[..., k], each) for k, each in zip(coordinates, knots, strict=True)] for path in paths
             ]
             yield tuple(
-                SharedFunctions("position", what + where, partial(_responses, axes, sign, noise))
-                for axes, sign, noise in zip(by_wheel, signs, noises, strict=True)
+                SharedFunctions("position", what + where, partial(_responses, axes, sign, noise), path.mean(axis=1))
+                for axes, sign, noise, path in zip(by_wheel, signs, noises, paths, strict=True)
             )
 
 

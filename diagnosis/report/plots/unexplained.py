@@ -1,33 +1,76 @@
 """Plot of the structure in the residuals that no effect explains."""
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.figure import Figure
 
+from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.unexplained.adequacy import Structure
+from diagnosis.measured.channel import Mask
+from diagnosis.predictors.base import Covariate, Observed
+from diagnosis.predictors.wheels.floor_loads import FRICTION
 from diagnosis.report.plots.panels import residual_panel
 from diagnosis.report.report_data import ReportData
+from diagnosis.report.sentences.quantities import listed
+from symolo.core.arrays import Array
 from symolo.pages.plotting import PURPLE, png
 
 SIZE_IN = (7.2, 3.4)
+MAP_SIZE_IN = (4.8, 3.8)
 
 
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
-    """Return the residuals of the readings with the named effects, along the covariate of a structure, as PNG.
-
-    They are without the random drift of a range sensor, and without a law that was discovered afterwards.
-    """
-    evidence = data.diagnosis.evidence.as_measured()
-    k = [observed.name for observed in evidence.observed].index(structure.observed)
-    observed, place = evidence.observed[k], evidence.places[k]
-    covariate = next(c for c in observed.covariates if c.name == structure.covariate)
-    fit = data.diagnosis.fit if data.diagnosis.law is None else data.diagnosis.law.without
-    mean = evidence.predicted([fit.robot]).moved(fit.local_change).mean[0]
-    usable = evidence.fit | evidence.heldout
-    z = np.where(usable, (evidence.values - mean) / evidence.sd, np.nan)
-    figure = Figure(figsize=SIZE_IN, layout="constrained")
+    """Return the residuals of the readings with the named effects, along the covariate of a structure, as PNG."""
+    covariate, residuals, holdout = shown_residuals(data.diagnosis, structure)
+    figure = Figure(figsize=SIZE_IN if covariate.second is None else MAP_SIZE_IN, layout="constrained")
     axes = figure.subplots()
-    residual_panel(axes, covariate, z[place], observed.holdout, PURPLE)
+    residual_panel(axes, covariate, residuals, holdout, PURPLE)
     if covariate.second is None:
         axes.set_ylabel("measured - predicted [σ]")
-    axes.set_title(f"{observed.name}: residuals along {structure.covariate}", fontsize="medium")
+    direction = "\nin the direction of motion," if structure.what.startswith(FRICTION) else ""
+    title = f"{listed(structure.quantities)}: residuals{direction} along {structure.covariate}"
+    axes.set_title(title, fontsize="medium")
     return png(figure)
+
+
+def shown_residuals(diagnosis: Diagnosis, structure: Structure) -> tuple[Covariate, Array, Mask]:
+    """Return the covariate of a structure, with residuals (n,) in sigmas of its quantities and which are held out.
+
+    They are without the random drift of a range sensor, and without a law that was discovered afterwards. Where the
+    structure is friction, they are in the direction of motion, so that friction always makes them negative.
+    """
+    evidence = diagnosis.evidence.as_measured()
+    quantities = [
+        (observed, place)
+        for observed, place in zip(evidence.observed, evidence.places, strict=True)
+        if observed.name in structure.quantities
+    ]
+    fit = diagnosis.fit if diagnosis.law is None else diagnosis.law.without
+    mean = evidence.predicted([fit.robot]).moved(fit.local_change).mean[0]
+    z = np.where(evidence.fit | evidence.heldout, (evidence.values - mean) / evidence.sd, np.nan)
+    if structure.what.startswith(FRICTION):
+        z *= np.sign(mean)
+    residuals = np.concatenate([z[place] for _, place in quantities])
+    covariate = _joined([_covariate_of(observed, structure) for observed, _ in quantities])
+    return covariate, residuals, np.concatenate([observed.holdout for observed, _ in quantities])
+
+
+def _covariate_of(observed: Observed, structure: Structure) -> Covariate:
+    """Return the covariate of a structure, for one of its quantities."""
+    covariate = next(each for each in observed.covariates if each.name == structure.covariate)
+    shared = next((each for each in observed.shared_functions if each.what == structure.what), None)
+    if shared is None:
+        return covariate
+    x_m, y_m = shared.places.T
+    return replace(covariate, values=x_m, second=y_m)
+
+
+def _joined(covariates: list[Covariate]) -> Covariate:
+    """Return one covariate with the values of several quantities, one after the other."""
+    first, *others = covariates
+    if not others:
+        return first
+    seconds = [covariate.second for covariate in covariates if covariate.second is not None]
+    values = np.concatenate([covariate.values for covariate in covariates])
+    return replace(first, values=values, second=np.concatenate(seconds) if seconds else None)

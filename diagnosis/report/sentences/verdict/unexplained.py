@@ -9,7 +9,7 @@ from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.predictors.wheels.floor_loads import FRICTION
 from diagnosis.predictors.wheels.turning_loads import TURNING
-from diagnosis.report.sentences.quantities import along, quantity_words
+from diagnosis.report.sentences.quantities import along, listed, quantity_words
 
 
 def unexplained_sentence(structure: Structure) -> str:
@@ -49,8 +49,8 @@ def unexplained_sentence(structure: Structure) -> str:
     if structure.covariate == TURNING:
         where, shape = f"{where}, the rate of turning", f"as from a {structure.what}"
     return (
-        f"The residuals of {structure.observed} have structure along {where} ({shape}). Its root mean square is "
-        f"{structure.size:.2g} standard deviations of the noise, and the probability of it by chance is {chance}."
+        f"The residuals of {listed(structure.quantities)} have structure along {where} ({shape}). Its root mean square "
+        f"is {structure.size:.2g} standard deviations of the noise, and the probability of it by chance is {chance}."
     )
 
 

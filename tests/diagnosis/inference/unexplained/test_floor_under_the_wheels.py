@@ -14,6 +14,8 @@ from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.unexplained.adequacy import LEVEL, adequacy
 from diagnosis.predictors.drive_log import drive_log_stages
+from diagnosis.report.files import files
+from diagnosis.report.plots.unexplained import shown_residuals
 
 OHM, K, B, COULOMB, INERTIA = 5.0, 0.3, 0.001, 0.015, 0.0008
 RADIUS_M, TRACK_M, TICKS, ROW_S, ROWS, STEPS = 0.03, 0.15, 480, 0.05, 150, 25
@@ -126,6 +128,15 @@ def test_an_even_floor_leaves_nothing(tmp_path):
 
 
 def test_strips_of_more_friction_have_no_name(tmp_path):
-    answer = diagnose(case(tmp_path, 1, strips)).answer()
+    diagnosis = diagnose(case(tmp_path, 1, strips))
+    answer = diagnosis.answer()
     assert answer["effects"] == []
     assert answer["unexplained_where"] == {"channel": "wheel_speed_rad_s", "covariate": "position"}
+    summary = " ".join(files(diagnosis)["summary.txt"].decode().split())
+    assert "wheel_left_rad_s and wheel_right_rad_s have structure along position (friction that depends on x" in summary
+    # Whichever way the robot drives, it is slower than predicted near a strip.
+    place, residuals, holdout = shown_residuals(diagnosis, diagnosis.unexplained)
+    assert len(place.values) == len(place.second) == len(residuals) == len(holdout)
+    known = np.isfinite(residuals) & np.isfinite(place.values)
+    near = (place.values[known] + 0.02) % 0.25 < 0.07
+    assert np.mean(residuals[known][near]) < np.mean(residuals[known][~near]) - 0.5

@@ -97,14 +97,14 @@ def test_a_name_beside_something_unexplained_says_so():
     ],
 )
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
-    structure: Any = SimpleNamespace(covariate="u_cmd_V", what=what, p=1e-5, observed="current_A", size=0.5)
+    structure: Any = SimpleNamespace(covariate="u_cmd_V", what=what, p=1e-5, quantities=("current_A",), size=0.5)
     assert text in unexplained_sentence(structure)
 
 
 def test_a_load_of_turning_is_said_in_words_with_its_size():
     what = "torque against the turn, in proportion to its rate"
     structure: Any = SimpleNamespace(
-        covariate="turn_rad_s", what=what, p=1e-13, observed="wheel_speed_rad_s[left]", size=0.254
+        covariate="turn_rad_s", what=what, p=1e-13, quantities=("wheel_speed_rad_s[left]",), size=0.254
     )
     assert unexplained_sentence(structure) == (
         "The residuals of wheel_speed_rad_s[left] have structure along turn_rad_s, the rate of turning (as from a"
