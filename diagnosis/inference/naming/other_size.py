@@ -2,9 +2,9 @@
 
 Two effects may nearly cancel each other, such as a pose that is late and a range sensor that reads a mean over a time.
 The one that is named then takes nearly all of the other one as well, and its size is off by many standard errors, which
-know of no other model. So the standard error of a named effect includes its difference from its size in the larger
-model, with the weight of that model (Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section
-4.3). The larger model is fitted to all rows for this weight: the held-out rows help to decide, as for the names.
+know of no other model. So the squared standard error of a named effect is the mean over both models of the squared
+deviation from the stated size (Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section 4.3).
+The larger model is fitted to all rows for its weight: the held-out rows help to decide, as for the names.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,6 +34,8 @@ class OtherSize:
     """Increase of the cost of all rows, with the penalties of the second effect."""
     changes: Mapping[str, float]
     """Changes of the numbers of the effect by the second one."""
+    std: Mapping[str, float]
+    """Standard errors of the numbers beside the second one."""
 
     @property
     def weight(self) -> float:
@@ -42,8 +44,10 @@ class OtherSize:
         return relative / (1.0 + relative)
 
     def wider(self, std: Mapping[str, float]) -> dict[str, float]:
-        """Return the standard errors of the numbers without the second effect, with their changes by it."""
-        return {name: float(np.hypot(error, self.weight**0.5 * self.changes[name])) for name, error in std.items()}
+        """Return the standard errors of the numbers over both models; `std` are those without the second effect."""
+        beside = {name: np.hypot(self.std[name], self.changes[name]) for name in std}
+        share = self.weight
+        return {name: float(np.sqrt((1.0 - share) * std[name] ** 2 + share * beside[name] ** 2)) for name in std}
 
 
 def other_size(
@@ -63,7 +67,8 @@ def other_size(
     larger_fits = [
         larger
         for larger in extended(evidence, fit, effects)
-        if any(
+        if np.isfinite([*larger.std(effect).values()]).all()
+        and any(
             abs(value - values[name]) > MOVED * std[name]
             for name, value in larger.hypothesis.values(effect, larger.x).items()
         )
@@ -75,4 +80,4 @@ def other_size(
     rise, larger = best
     second = larger.hypothesis.added_to(fit.hypothesis)
     changes = {name: value - values[name] for name, value in larger.hypothesis.values(effect, larger.x).items()}
-    return OtherSize(second.name, rise + SECOND, changes)
+    return OtherSize(second.name, rise + SECOND, changes, larger.std(effect))

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.naming.named_effect import NamedEffect
-from diagnosis.inference.naming.other_size import MOVED, OtherSize, other_size
+from diagnosis.inference.naming.other_size import OtherSize, other_size
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.refusal import THRESHOLD
 from diagnosis.inference.selection.rivals import SECOND, RivalComparison
@@ -76,9 +76,12 @@ def test_a_second_effect_that_leaves_the_number_is_none(evidence_of, hypothesis,
 
 
 @pytest.mark.parametrize(("rise", "weight"), [(0.0, 0.5), (1e3, 0.0), (-1e3, 1.0)])
-def test_the_difference_counts_with_the_weight_of_the_larger_model(rise, weight):
-    other = OtherSize("other", rise, {"delay_s": 0.013})
+def test_the_error_is_the_root_mean_square_deviation_over_both_models(rise, weight):
+    """Of a mixture of normal distributions, about the mean of the first one: its second moment."""
+    other = OtherSize("other", rise, {"delay_s": 0.013}, {"delay_s": 0.004})
     assert other.weight == pytest.approx(weight, abs=1e-5)
-    wider = other.wider({"delay_s": 0.0004})["delay_s"]
-    assert wider == pytest.approx(np.sqrt(0.0004**2 + weight * 0.013**2), abs=1e-6)
-    assert MOVED * 0.0004 < 0.013
+    rng = np.random.default_rng(1)
+    deviation = np.where(
+        rng.random(400_000) < weight, rng.normal(0.013, 0.004, 400_000), rng.normal(0.0, 0.001, 400_000)
+    )
+    assert other.wider({"delay_s": 0.001})["delay_s"] == pytest.approx(np.sqrt(np.mean(deviation**2)), rel=0.01)

@@ -66,7 +66,7 @@ def test_a_delay_of_one_row_of_a_step_log_may_be_the_order_of_its_columns(kind, 
 @pytest.mark.parametrize(("rise", "is_stated"), [(2.0, True), (40.0, False)])
 def test_another_size_beside_a_second_effect_is_stated_if_it_has_a_weight(rise, is_stated):
     effect = CandidateEffect(EFFECTS.by_name()["pose_time_offset"])
-    other = OtherSize("range_gathering_time", rise, {"delay_s": 0.013})
+    other = OtherSize("range_gathering_time", rise, {"delay_s": 0.013}, {"delay_s": 0.002})
     comparison = RivalComparison(effect, 0.97, ())
     named = NamedEffect(effect, {"delay_s": 0.007}, {"delay_s": 0.005}, comparison, other_size=other)
     texts = log_doubts(named, step_log(np.zeros(50), CaseKind.DRIVE_LOG))
