@@ -144,9 +144,10 @@ def propose(
     faults = FaultList()
     of_kind = kind or _kind(log, chosen)
     columns = KINDS[of_kind].matched(list(log.columns), chosen)
-    for name in units.keys() - columns.keys():
+    for name in (name for name in units if name not in columns):
         cure = f"name it with {COLUMN_OPTION} {name}=COLUMN, or leave the unit out"
-        raise InputError(f"no column was recognised as {name}", where=f"{UNIT_OPTION} {name}", cure=cure)
+        with faults.noted():
+            raise InputError(f"no column was recognised as {name}", where=f"{UNIT_OPTION} {name}", cure=cure)
     if kind is None and of_kind in _MOTORS and "t_s" in columns:
         with faults.noted():
             of_kind = _of_motor(log, columns["t_s"], units.get("t_s", ""))

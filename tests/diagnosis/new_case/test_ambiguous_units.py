@@ -113,6 +113,15 @@ def test_a_stated_unit_that_does_not_fit_is_refused(unit, message, init):
     assert message in err
 
 
+def test_all_stated_units_without_a_column_are_listed_in_the_order_of_the_command(init):
+    code, _, err, _ = init(sweep(1100), *CHOSEN, "--unit", "t_s=ms", "--unit", "y_m=mm", "--unit", "x_m=mm")
+    assert code == 2
+    assert err.startswith("symolo: 3 faults:")
+    assert (
+        0 < err.index("--unit y_m: no column") < err.index("--unit x_m: no column") < err.index("column motorCommand")
+    )
+
+
 def test_a_stated_unit_goes_before_that_of_the_name(init, columns, tmp_path):
     logged = {"x_m" if name == "x_cm" else name: column for name, column in columns.items()}
     code, _, err, _ = init(logged, "--unit", "x_m=cm")
