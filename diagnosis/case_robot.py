@@ -12,7 +12,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, creep_on_the_spot, nuisances
 from diagnosis.together import joint_robot
 from diagnosis.usual_tolerances import usual, usual_of_log
-from logs.drive import COUNTED
+from logs.columns.drive import COUNTED
 
 
 def base_robot_of(measurement: Measurement, robot: RobotConfig | None) -> RobotConfig:

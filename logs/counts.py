@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from logs.drive import COUNTED
+from logs.columns.drive import COUNTED
 from logs.mapping import MAPPING, Source
 from logs.times import usual_step
 from symolo.core.arrays import Array

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from logs.recognition import MAX_TITLES
-from logs.units import NO_UNIT, unit_of_cell, with_unit
+from logs.units.names import NO_UNIT, unit_of_cell, with_unit
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.text_file import read_text

@@ -13,11 +13,11 @@ from pydantic import Field, ValidationError
 from configs.schema.base import FromList, Section
 from configs.validation.schema_faults import all_explained
 from configs.validation.shapes import Shape
-from logs.drive import COUNTED
+from logs.columns.drive import COUNTED
+from logs.columns.quantity import LogKind
+from logs.columns.quaternion_heading import heading_of
 from logs.log_file import LogFile
-from logs.quantity import LogKind
-from logs.quaternion_heading import heading_of
-from logs.units import PERCENT, factor_to, unit_of
+from logs.units.names import PERCENT, factor_to, unit_of
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, nearest
 from symolo.core.yaml.reader import read_yaml

@@ -15,7 +15,7 @@ from diagnosis.measured.case_files.nominal import NominalDrive
 from diagnosis.measured.early_response import early_response_note
 from diagnosis.measured.measurement import CHECK, CHECK_UNIT, CaseKind, Measurement, Trial
 from diagnosis.measured.pose_by_ticks import pose_by_ticks
-from logs.wrapped_angles import BEYOND_RAD
+from logs.units.wrapped_angles import BEYOND_RAD
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.tables.table import CsvTable

@@ -20,8 +20,8 @@ from diagnosis.measured.case_files.nominal import KnownMotor, NominalMotor, Posi
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.usual_tolerances import SHARES
-from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line
+from logs.units.plausible import PlausibleRange
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import TextFile, read_text

@@ -20,8 +20,8 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.usual_tolerances import usual_wheels
-from logs.plausible_units import PlausibleRange
 from logs.recognition import is_file, is_folder
+from logs.units.plausible import PlausibleRange
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.tables.table import number

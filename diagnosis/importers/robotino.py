@@ -15,8 +15,8 @@ from diagnosis.importers.cases.order import check_increasing
 from diagnosis.measured.case_files.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from logs.plausible_units import PlausibleRange
 from logs.recognition import first_line, is_folder
+from logs.units.plausible import PlausibleRange
 from symolo.core.errors import InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.progress import plural

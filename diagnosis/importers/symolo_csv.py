@@ -20,7 +20,7 @@ from diagnosis.measured.case_files.symolo_columns import COLUMN_OF, LINE_READING
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import hold_out
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from logs.plausible_units import PlausibleRange
+from logs.units.plausible import PlausibleRange
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.tables.table import CsvTable

@@ -10,8 +10,8 @@ from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CaseKind
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping
-from logs.plausible_units import OTHER_UNITS
-from logs.units import factor_to
+from logs.units.names import factor_to
+from logs.units.plausible import OTHER_UNITS
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

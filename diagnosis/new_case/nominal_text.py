@@ -15,9 +15,9 @@ from diagnosis.measured.sweep_noise import noise_of_sweeps
 from diagnosis.new_case.estimates import motor_of, speed_noise, wheels_of
 from diagnosis.predictors.rows import good_values
 from diagnosis.usual_tolerances import SHARES, TRACK_SHARE, WHEEL_SHARE
-from logs.heading_unit import guessed_heading_unit
 from logs.mapping import MAPPING
 from logs.times import usual_step
+from logs.units.heading import guessed_heading_unit
 from symolo.core.errors import InputError
 
 UNKNOWN_MOTOR, UNKNOWN_WHEELS = 0.5, 0.2

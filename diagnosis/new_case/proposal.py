@@ -7,15 +7,15 @@ from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, of_wheels
-from logs.combined_columns import stamp_columns
-from logs.drive import COUNTED
-from logs.guessed_units import Reading, asked, time_units, usual_step_of
+from logs.columns.combined import stamp_columns
+from logs.columns.drive import COUNTED
+from logs.columns.missing import missing
+from logs.columns.proposal import Proposal, propose_as
+from logs.columns.quantity import LEFT, RIGHT, SIDES
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
-from logs.missing_columns import missing
-from logs.proposal import Proposal, propose_as
-from logs.quantity import LEFT, RIGHT, SIDES
-from logs.units import NO_UNIT_WORDS, HeaderName, factor_to, fits, taken_apart, unit_of, units_for
+from logs.units.guessed import Reading, asked, time_units, usual_step_of
+from logs.units.names import NO_UNIT_WORDS, HeaderName, factor_to, fits, taken_apart, unit_of, units_for
 from symolo.core.errors import FaultList, InputError, nearest
 
 _MOTORS = (CaseKind.MOTOR_STEP, CaseKind.MOTOR_STEADY)

@@ -6,9 +6,8 @@ from types import MappingProxyType
 from diagnosis.measured.case_files.case_format import COLUMNS, RANGE_SIDES, RANGES, WHEEL_VOLTAGES
 from diagnosis.measured.case_files.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import CaseKind
-from logs.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
-from logs.possible_motion import SHORTEST_STEP_S
-from logs.quantity import (
+from logs.columns.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
+from logs.columns.quantity import (
     EAST,
     FILLERS,
     FRONT,
@@ -26,7 +25,8 @@ from logs.quantity import (
     Quantity,
     words,
 )
-from logs.units import HeaderName, taken_apart
+from logs.units.names import HeaderName, taken_apart
+from logs.units.possible_motion import SHORTEST_STEP_S
 
 COLUMN_OPTION = "--column"
 """Option of `symolo case init` for the column of one quantity."""

@@ -22,14 +22,14 @@ from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
 from diagnosis.new_case.sampling_note import has_times, in_words, is_input
 from diagnosis.new_case.trial_rows import IN_TIME, rows_of_trials
+from logs.columns.proposal import unit_faults
 from logs.counts import running_counts
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source, missing_note
-from logs.possible_motion import check_motion, larger_time_unit
-from logs.proposal import unit_faults
 from logs.times import usual_step
-from logs.units import factor_to, unit_of
-from logs.wrapped_angles import whole_turn
+from logs.units.names import factor_to, unit_of
+from logs.units.possible_motion import check_motion, larger_time_unit
+from logs.units.wrapped_angles import whole_turn
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.tables.time_series import TimeSeries

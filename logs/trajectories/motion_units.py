@@ -10,10 +10,10 @@ from itertools import product
 
 import numpy as np
 
-from logs import units
-from logs.plausible_units import OTHER_UNITS
-from logs.possible_motion import LONGEST_STEP_S, SHORTEST_STEP_S
 from logs.times import usual_step
+from logs.units import names
+from logs.units.plausible import OTHER_UNITS
+from logs.units.possible_motion import LONGEST_STEP_S, SHORTEST_STEP_S
 from symolo.core.arrays import Array
 
 USUAL_M_S = 0.3
@@ -24,7 +24,7 @@ WIDEST_M = 100.0
 
 def per_unit(ours: str) -> Mapping[str, float]:
     """Return how many of each unit make one of ours; an empty name is ours."""
-    return {"": 1.0, **units.per_unit(ours)}
+    return {"": 1.0, **names.per_unit(ours)}
 
 
 def guessable(ours: str) -> list[str]:

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from logs.drive import COMMANDS, WHEELS
-from logs.plausible_units import PlausibleRange
-from logs.quantity import (
+from logs.columns.drive import COMMANDS, WHEELS
+from logs.columns.quantity import (
     EAST,
     FILLERS,
     FRONT,
@@ -23,6 +22,7 @@ from logs.quantity import (
     Quantity,
     words,
 )
+from logs.units.plausible import PlausibleRange
 
 READING_OF: Mapping[str, str] = MappingProxyType(
     {

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from logs.columns.drive import COUNTED, DRIVE_TABLE
+from logs.columns.missing import missing
+from logs.columns.proposal import Proposal, propose_as, unit_faults
 from logs.counts import jump_note, running_counts
-from logs.drive import COUNTED, DRIVE_TABLE
-from logs.heading_unit import guessed_heading_unit
 from logs.log_file import SEPARATORS, LogFile, read_log
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
-from logs.missing_columns import missing
-from logs.proposal import Proposal, propose_as, unit_faults
 from logs.recognition import first_row, has_separator_below_title, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
@@ -21,7 +20,8 @@ from logs.trajectories.motion_units import guessable, per_unit, time_and_length
 from logs.trajectories.path_direction import headings_along
 from logs.trajectories.planar import on_floor
 from logs.trajectories.quantities import DRIVE_QUANTITIES, QUATERNION, READING_OF, TRAJECTORY
-from logs.units import factor_to, taken_apart
+from logs.units.heading import guessed_heading_unit
+from logs.units.names import factor_to, taken_apart
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.geometry.poses import rotations

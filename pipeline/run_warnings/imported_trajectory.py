@@ -5,7 +5,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from logs.possible_motion import MAX_PATH_WIDTH_M, Where, check_motion
 from logs.times import gap_note
 from logs.trajectories.path_direction import (
     EXPLAINED_RAD,
@@ -15,6 +14,7 @@ from logs.trajectories.path_direction import (
     chords,
     turn_to_path,
 )
+from logs.units.possible_motion import MAX_PATH_WIDTH_M, Where, check_motion
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

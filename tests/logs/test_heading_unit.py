@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from logs.heading_unit import guessed_heading_unit
+from logs.units.heading import guessed_heading_unit
 
 T_S = 0.05 * np.arange(160)
 YAW = 0.4 + 0.9 * np.sin(0.5 * T_S)

@@ -4,7 +4,7 @@ import pytest
 
 from logs.log_file import read_log
 from logs.trajectories.readers import READERS
-from logs.units import taken_apart
+from logs.units.names import taken_apart
 from symolo.core.errors import InputError
 
 

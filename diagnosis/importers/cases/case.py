@@ -16,8 +16,8 @@ from diagnosis.measured.case_files.case_format import COLUMNS, DATA, HOLDOUT, SP
 from diagnosis.measured.case_files.csv_table import read_csv
 from diagnosis.measured.case_files.nominal import NOMINAL, NominalCase, read_nominal
 from diagnosis.measured.measurement import CHECK_UNIT, CaseKind, Measurement, MeasurementSource
-from logs.plausible_units import confused_units
 from logs.recognition import is_file
+from logs.units.plausible import confused_units
 from symolo.core.errors import FaultList, InputError, together
 from symolo.core.files.plain_files import open_named_file
 from symolo.core.tables.table import CsvTable

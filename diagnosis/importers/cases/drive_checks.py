@@ -10,8 +10,8 @@ from diagnosis.measured.case_files.nominal import NominalMotor
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CHECK, Measurement, Trial
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, PoseByTicks, pose_by_ticks
+from logs.columns.drive import COUNTED
 from logs.counts import jump_note
-from logs.drive import COUNTED
 from logs.times import gap_note
 from symolo.core.arrays import Array
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.screening import GAP
-from logs.plausible_units import mixed_up_unit
 from logs.times import usual_step
+from logs.units.plausible import mixed_up_unit
 from symolo.core.errors import InputError
 from symolo.core.tables.table import CsvTable
 

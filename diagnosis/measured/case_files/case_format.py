@@ -6,7 +6,7 @@ from types import MappingProxyType
 from diagnosis.measured.case_files.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.channel import Role
 from diagnosis.measured.measurement import CaseKind
-from logs.plausible_units import PlausibleRange
+from logs.units.plausible import PlausibleRange
 from sensors.ranging.range_view import RANGE_SENSORS
 from symolo.core.tables.table import WordColumn
 

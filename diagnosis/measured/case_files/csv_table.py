@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.measured.channel import Role
-from logs.plausible_units import PlausibleRange, beyond_scale, likely_unit
+from logs.units.plausible import PlausibleRange, beyond_scale, likely_unit
 from symolo.core.errors import InputError, together
 from symolo.core.files.text_file import LineFault, TextFile, read_text
 from symolo.core.tables import table

@@ -12,7 +12,7 @@ from configs.schema.scenario import SceneSpec
 from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
-from logs.drive import DRIVE_TABLE
+from logs.columns.drive import DRIVE_TABLE
 from logs.recognition import is_file
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
 from pipeline.run_folder.first_stage import TRAJECTORY

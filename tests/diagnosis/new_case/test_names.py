@@ -6,7 +6,7 @@ import pytest
 
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.quantities import KINDS
-from logs.units import HeaderName, factor_to, taken_apart
+from logs.units.names import HeaderName, factor_to, taken_apart
 from symolo.core.errors import InputError
 
 

@@ -1,7 +1,7 @@
 """The quantities of a drive with two wheels, by the words with which logs name them."""
 
-from logs.quantity import DUTY as _DUTY
-from logs.quantity import LEFT, LINEAR, RIGHT, SET, TURNING, Quantity, words
+from logs.columns.quantity import DUTY as _DUTY
+from logs.columns.quantity import LEFT, LINEAR, RIGHT, SET, TURNING, Quantity, words
 
 VOLTAGE = words("u voltage volt volts motor mot vm umot") | _DUTY
 COUNT_WORDS = words("enc encoder encoders ticks tick counts count cnt pulses steps denc dticks dcounts dcount dcnt")

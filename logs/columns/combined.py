@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
-from logs.units import words_of
+from logs.units.names import words_of
 
 _SECONDS = frozenset(["sec", "secs", "second", "seconds"])
 _NANOSECONDS = frozenset(["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds", "nanos"])

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import pi
 
-from logs.plausible_units import OTHER_UNITS
+from logs.units.plausible import OTHER_UNITS
 from symolo.core.errors import InputError, nearest
 
 _SPELLINGS: Mapping[str, tuple[str, ...]] = {

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from logs.heading_unit import guessed_heading_unit
+from logs.columns.quantity import SUPPLY, LogKind, words
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source
-from logs.quantity import SUPPLY, LogKind, words
 from logs.times import usual_step
-from logs.units import PERCENT, factor_to, per_unit, taken_apart, unit_of
+from logs.units.heading import guessed_heading_unit
+from logs.units.names import PERCENT, factor_to, per_unit, taken_apart, unit_of
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 

@@ -7,17 +7,17 @@ from types import MappingProxyType
 
 import numpy as np
 
-from logs.combined_columns import quaternion_columns, stamp_columns
+from logs.columns.combined import quaternion_columns, stamp_columns
+from logs.columns.drive import COUNTED, PER_ROW
+from logs.columns.missing import missing
+from logs.columns.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
+from logs.columns.quaternion_heading import ordered, tilt_note
 from logs.counts import are_per_row
-from logs.drive import COUNTED, PER_ROW
-from logs.guessed_units import FULL_DUTIES, USUAL_SUPPLY_V, Known, UnknownUnitError, duty_unit, full_duty, guessed
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
-from logs.missing_columns import missing
-from logs.plausible_units import OTHER_UNITS, beyond_scale, likely_unit
-from logs.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
-from logs.quaternion_heading import ordered, tilt_note
-from logs.units import PERCENT, HeaderName, factor_to, taken_apart, unit_of, units_for
+from logs.units.guessed import FULL_DUTIES, USUAL_SUPPLY_V, Known, UnknownUnitError, duty_unit, full_duty, guessed
+from logs.units.names import PERCENT, HeaderName, factor_to, taken_apart, unit_of, units_for
+from logs.units.plausible import OTHER_UNITS, beyond_scale, likely_unit
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError, nearest
 

@@ -7,9 +7,9 @@ from typing import Protocol
 
 import numpy as np
 
-from logs.combined_columns import quaternion_columns, stamp_columns
-from logs.plausible_units import PlausibleRange
-from logs.units import HeaderName, taken_apart, units_for
+from logs.columns.combined import quaternion_columns, stamp_columns
+from logs.units.names import HeaderName, taken_apart, units_for
+from logs.units.plausible import PlausibleRange
 
 
 def words(text: str) -> frozenset[str]:

@@ -5,12 +5,12 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from logs.combined_columns import companions
-from logs.drive import COUNTED
+from logs.columns.combined import companions
+from logs.columns.drive import COUNTED
+from logs.columns.quantity import SET, SIDES, LogKind, words
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, VOLTAGES
-from logs.quantity import SET, SIDES, LogKind, words
-from logs.units import fits, taken_apart
+from logs.units.names import fits, taken_apart
 from symolo.core.errors import InputError
 
 MIN_VALUES = 5

@@ -11,7 +11,7 @@ from logs.trajectories.path_direction import (
     chords,
     turn_to_path,
 )
-from logs.wrapped_angles import BEYOND_RAD, MIN_WRAP_DEG, TURN_RAD
+from logs.units.wrapped_angles import BEYOND_RAD, MIN_WRAP_DEG, TURN_RAD
 from symolo.core.arrays import Array
 
 FASTEST_TURN_RAD_S = 12.0

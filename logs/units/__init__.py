@@ -1,0 +1,1 @@
+"""Units of columns: their names and factors, and what the values say about them."""
