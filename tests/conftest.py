@@ -5,6 +5,8 @@ import os
 # There is a process of tests for each core, and threads of a matrix product that wait for each other only get in the
 # way of the others. OpenBLAS reads this when it is loaded, and the processes that tests start inherit it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Tests start hundreds of processes. Where this is set, as in many containers, each of them compiles all modules again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import gc
 import shutil

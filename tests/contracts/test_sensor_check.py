@@ -78,6 +78,7 @@ def test_a_broken_rule_is_named_with_what_to_do(checked, before, after, rule, me
     ended = checked(before, after)
     assert ended.code == 2
     assert re.search(rf"FAILED +{rule} .*\n +.*{message}", ended.out), ended.out
+    assert re.search(rf"{'FAILED' if rule == 'process' else '-'} +process ", ended.out), ended.out
     assert "breaks a rule, see above" in ended.err
 
 
