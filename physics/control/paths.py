@@ -25,19 +25,20 @@ class AvoidancePath:
 
 def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
     """Return the path out to a side, along the obstacle and back to the line or wall (Fig. 7a)."""
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - a second, which a drive without obstacle saves
-
     x_out = config.out_length_m
     x_back = x_out + config.along_length_m
     x_end = x_back + config.back_length_m
-    # Flat at every knot, so that the path leaves, passes and meets the line in the direction of travel.
-    spline = CubicHermiteSpline([0.0, x_out, x_back, x_end], [0.0, config.side_m, config.side_m, 0.0], np.zeros(4))
+
+    def y_at(x: Array) -> Array:
+        # Flat at every knot, so that the path leaves, passes and meets the line in the direction of travel.
+        t = np.minimum(x / x_out, np.clip((x_end - x) / config.back_length_m, 0.0, 1.0))
+        return config.side_m * t * t * (3.0 - 2.0 * t)
+
     x_fine = np.linspace(0.0, x_end, FINE * config.points)
-    y_fine = spline(x_fine)
-    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x_fine), np.diff(y_fine)))])
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x_fine), np.diff(y_at(x_fine))))])
     even = np.linspace(0.0, travelled[-1], config.points)
     x = np.interp(even, travelled, x_fine)
-    points = np.stack([x, sign_of(side) * spline(x)], axis=1)
+    points = np.stack([x, sign_of(side) * y_at(x)], axis=1)
     points.flags.writeable = False
     return AvoidancePath(points, float(even[1]), int(np.searchsorted(x, x_back)))
 
@@ -50,7 +51,7 @@ def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
         count: Number of stored points.
         bend: The side to which the line bends.
     """
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - as above
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - half a second, which most drives save
 
     knots = np.array(config.points)
     chord = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(knots, axis=0).T))])
