@@ -25,6 +25,8 @@ from symolo.core.yaml.reader import read_yaml
 MAPPING = "mapping.yaml"
 VOLTAGES = ("u_left_V", "u_right_V", "u_cmd_V")
 """Quantities that a duty cycle and the voltage of the battery give together."""
+PARTS_OF_A_SECOND = {"nanoseconds": 1e9, "microseconds": 1e6}
+"""Units in which a log may have the part of a time below its whole seconds, and how many of them a second has."""
 
 
 class Source(Section):
@@ -36,6 +38,8 @@ class Source(Section):
     """Names of the columns of x, y, z and w of an orientation whose x axis is the heading, or of z and w alone."""
     nanoseconds: str = ""
     """Name of the column of nanoseconds that are added to a time in whole seconds."""
+    microseconds: str = ""
+    """The same of microseconds, as a C program has them from `gettimeofday`."""
     constant: float | str | None = None
     """Value of every row, in our unit."""
     unit: str = ""
@@ -64,47 +68,54 @@ class Source(Section):
         offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
         held = {"after_row": ", held to the next row", "before_row": ", held from the row before"}.get(self.held, "")
         quaternion = f"the quaternion {', '.join(self.quaternion)}" if self.quaternion else ""
-        stamp = f" and nanoseconds {self.nanoseconds}" if self.nanoseconds else ""
+        unit, column = self.fraction
+        stamp = f" and {unit} {column}" if column else ""
         what = f"{quaternion or self.column or self.constant}{stamp}"
         return f"{what}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}{held}"
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of all columns from which the values come."""
-        return tuple(filter(None, (self.column, *self.quaternion, self.nanoseconds, self.times)))
+        return tuple(filter(None, (self.column, *self.quaternion, self.nanoseconds, self.microseconds, self.times)))
+
+    @property
+    def fraction(self) -> tuple[str, str]:
+        """Unit and column of the part of a second that is added to whole seconds; the column is empty if none is."""
+        return ("microseconds", self.microseconds) if self.microseconds else ("nanoseconds", self.nanoseconds)
 
     def numbers(self, log: LogFile) -> Array:
         """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
 
-        Those of a quaternion are headings [rad], and those of a column with nanoseconds are times [s].
+        Those of a quaternion are headings [rad], and those of a column with parts of a second are times [s].
 
         Raises:
-            InputError: A cell is no number, or the columns are no quaternion or no nanoseconds.
+            InputError: A cell is no number, or the columns are no quaternion or no parts of a second.
         """
         if self.quaternion:
             components = np.column_stack([log.numbers(column) for column in self.quaternion])
             return heading_of(components, str(log.path), self.quaternion)
-        if self.nanoseconds:
+        if self.fraction[1]:
             return self.times_of(log)
         numbers = log.numbers(self.column)
         return numbers * log.numbers(self.times) if self.times else numbers
 
     def times_of(self, log: LogFile) -> Array:
-        """Return the times (N,) of the column, each of which is a number, with their nanoseconds if there are some.
+        """Return the times (N,) of the column, each of which is a number, with parts of a second added if it has them.
 
         Raises:
-            InputError: A cell is no number, or empty, or no number of nanoseconds.
+            InputError: A cell is no number, or empty, or no part of a second.
         """
         times = log.times(self.column)
-        if not self.nanoseconds:
+        unit, column = self.fraction
+        if not column:
             return times
-        nanoseconds = log.times(self.nanoseconds)
-        wrong = np.flatnonzero((nanoseconds < 0.0) | (nanoseconds >= 1e9) | (nanoseconds != np.rint(nanoseconds)))
+        parts, whole = log.times(column), PARTS_OF_A_SECOND[unit]
+        wrong = np.flatnonzero((parts < 0.0) | (parts >= whole) | (parts != np.rint(parts)))
         if len(wrong):
             row = int(wrong[0])
-            where, got = log.where(row), log.columns[self.nanoseconds][row]
-            raise InputError(f"column {self.nanoseconds}", where=where, got=got, allowed="whole numbers below 1e9")
-        return times + 1e-9 * nanoseconds
+            where, got = log.where(row), log.columns[column][row]
+            raise InputError(f"column {column}", where=where, got=got, allowed=f"whole numbers below {whole:.0e}")
+        return times + parts / whole
 
 
 class LogMapping(Section):
@@ -200,7 +211,7 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
 
 
 def _check_combined(name: str, source: Source, where: str) -> None:
-    """Refuse a quaternion of anything but a heading, and nanoseconds of anything but a time in seconds."""
+    """Refuse a quaternion of anything but a heading, and parts of a second of anything but a time in seconds."""
     if source.quaternion and name != "theta_rad":
         raise InputError("quaternion is for theta_rad", where=where)
     if source.quaternion and len(source.quaternion) not in {2, 4}:
@@ -208,11 +219,15 @@ def _check_combined(name: str, source: Source, where: str) -> None:
         raise InputError(f"quaternion: got {got}", where=where, allowed=allowed)
     if source.quaternion and source.unit:
         raise InputError("a quaternion has no unit", where=where, cure="leave unit out; offset is in rad")
-    if source.nanoseconds and name != "t_s":
-        raise InputError("nanoseconds is for t_s", where=where)
-    if source.nanoseconds and (unit_of(source.unit) or source.unit) not in {"", "s"}:
+    if source.nanoseconds and source.microseconds:
+        raise InputError("nanoseconds and microseconds", where=where, allowed="one of them")
+    unit, column = source.fraction
+    if column and name != "t_s":
+        raise InputError(f"{unit} is for t_s", where=where)
+    if column and (unit_of(source.unit) or source.unit) not in {"", "s"}:
+        alone = {"nanoseconds": "ns", "microseconds": "us"}[unit]
         raise InputError(
-            "nanoseconds are added to seconds", where=where, cure="leave unit out, or write unit: ns alone"
+            f"{unit} are added to seconds", where=where, cure=f"leave unit out, or write unit: {alone} alone"
         )
 
 

@@ -229,8 +229,8 @@ def _of_motor(log: LogFile, column: str, unit: str) -> CaseKind:
     """
     unit = (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" else "")
     stamp = stamp_columns([*log.columns], KINDS[CaseKind.MOTOR_STEADY].fillers)
-    source = Source(column=column, nanoseconds=stamp[1] if column in stamp[:1] else "")
-    unit, times = "s" if source.nanoseconds else unit, source.times_of(log)
+    source = Source.model_validate(stamp) if column == stamp.get("column") else Source(column=column)
+    unit, times = "s" if source.fraction[1] else unit, source.times_of(log)
     if unit and unit not in units_for("s"):
         return CaseKind.MOTOR_STEADY  # the unit is refused with those of the others
     units = [unit] if unit else time_units(times, (STEP_S[_MOTORS[0]][0], STEP_S[_MOTORS[1]][1]))

@@ -1,31 +1,42 @@
-"""Columns that give one quantity together, by their names: quaternions, and times of seconds and nanoseconds."""
+"""Columns that give one quantity together, by their names: quaternions, and times of seconds and parts of one."""
 
 from collections.abc import Collection, Sequence
 
 from logs.units.names import words_of
 
 _SECONDS = frozenset(["sec", "secs", "second", "seconds"])
-_NANOSECONDS = frozenset(["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds", "nanos"])
-_OF_STAMP = frozenset(["header", "stamp", "stamps", "time", "timestamp", "msg", "message"])
+_PARTS = {
+    "nanoseconds": frozenset(["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds", "nanos"]),
+    "microseconds": frozenset(["usec", "usecs", "microsec", "microsecs", "microsecond", "microseconds", "micros"]),
+}
+_OF_STAMP = frozenset(["header", "stamp", "stamps", "time", "timestamp", "msg", "message", "tv"])
 _QUATERNION = frozenset(["q", "quat", "quaternion", "rotation", "rot", "orientation"])
 _COMPONENTS = (*"xyzw", *"0123")
 
 
-def stamp_columns(columns: Sequence[str], fillers: Collection[str]) -> tuple[str, ...]:
-    """Return the columns of seconds and of nanoseconds, such as `header.stamp.sec` and `.nanosec`; none if one lacks.
+def stamp_columns(columns: Sequence[str], fillers: Collection[str]) -> dict[str, str]:
+    """Return the columns of a time, such as `header.stamp.sec` and `.nanosec`, or `tv_sec` and `tv_usec`.
 
     Args:
         columns: Names of the columns.
         fillers: Words that may stand in a name.
+
+    Returns:
+        The names as a mapping has them: `column` of the seconds, and `nanoseconds` or `microseconds`; empty if one
+        lacks.
     """
     seconds: dict[tuple[str, ...], str] = {}
-    nanoseconds: dict[tuple[str, ...], str] = {}
+    parts: dict[tuple[str, ...], tuple[str, str]] = {}
     for column in columns:
         *first, last = words_of(column) or ("",)
-        if set(first) <= _OF_STAMP | {*fillers}:
-            group = seconds if last in _SECONDS else nanoseconds if last in _NANOSECONDS else {}
-            group.setdefault(tuple(first), column)
-    return next(((seconds[first], nanoseconds[first]) for first in seconds if first in nanoseconds), ())
+        if not set(first) <= _OF_STAMP | {*fillers}:
+            continue
+        if last in _SECONDS:
+            seconds.setdefault(tuple(first), column)
+        for unit in (unit for unit, names in _PARTS.items() if last in names):
+            parts.setdefault(tuple(first), (unit, column))
+    both = ((seconds[first], *parts[first]) for first in seconds if first in parts)
+    return next(({"column": whole, unit: part} for whole, unit, part in both), {})
 
 
 def quaternion_columns(columns: Sequence[str], fillers: Collection[str]) -> tuple[str, ...]:
@@ -48,7 +59,7 @@ def quaternion_columns(columns: Sequence[str], fillers: Collection[str]) -> tupl
 
 def companions(columns: Sequence[str], fillers: Collection[str], used: Collection[str]) -> set[str]:
     """Return the columns that belong to a quaternion or a time of which one column is used."""
-    groups = (stamp_columns(columns, fillers), quaternion_columns(columns, fillers))
+    groups = (stamp_columns(columns, fillers).values(), quaternion_columns(columns, fillers))
     return {column for group in groups if {*group} & {*used} for column in group}
 
 

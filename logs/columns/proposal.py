@@ -140,15 +140,16 @@ def _combined(log: LogFile, kind: LogKind, name: str, column: str, unit: str) ->
     """
     stamp = stamp_columns([*log.columns], kind.fillers)
     quaternion = quaternion_columns([*log.columns], kind.fillers)
-    names = stamp if name == "t_s" and column in stamp[:1] else quaternion if name == "theta_rad" else ()
+    is_stamp = name == "t_s" and column == stamp.get("column")
+    names = tuple(stamp.values()) if is_stamp else quaternion if name == "theta_rad" else ()
     if column not in names:
         return None
     where, ours = str(log.path), kind.unit_of(name)
     if unit and unit_of(unit) != ours:
         what = f"{', '.join(names)} give {name} in {ours}"
         raise InputError(what, where=f"{kind.unit_option} {name}", got=unit, cure="leave the unit out")
-    if names == stamp:
-        return Source(column=column, nanoseconds=stamp[1]), ""
+    if is_stamp:
+        return Source.model_validate(stamp), ""
     if len(names) == 4 and any(character.isdecimal() for character in names[0]):
         names = ordered(np.column_stack([log.numbers(each) for each in names]), names, where)
     components = np.column_stack([log.numbers(each) for each in names])

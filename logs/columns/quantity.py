@@ -159,9 +159,9 @@ class LogKind:
         )
 
     def _combine(self, columns: Sequence[str], result: dict[str, str]) -> None:
-        """Add a time of seconds and nanoseconds, and a heading by a quaternion, with the first of their columns."""
-        stamp = stamp_columns(columns, self.fillers)
-        if stamp and "t_s" in self.names and result.get("t_s", stamp[1]) == stamp[1]:
+        """Add a time of seconds and parts of one, and a heading by a quaternion, with the first of their columns."""
+        stamp = tuple(stamp_columns(columns, self.fillers).values())
+        if stamp and "t_s" in self.names and result.get("t_s", stamp[1]) in stamp:
             result["t_s"] = stamp[0]
         components = [name for name in ("qx", "qy", "qz", "qw") if name in result]
         quaternion = quaternion_columns(columns, self.fillers)

@@ -1,4 +1,4 @@
-"""Headings of quaternions and times of seconds and nanoseconds, which several columns of a log give together."""
+"""Headings of quaternions and times of seconds and parts of one, which several columns of a log give together."""
 
 import numpy as np
 import pytest
@@ -111,30 +111,33 @@ def test_a_numbered_quaternion_of_a_tilted_body_is_asked_for(init, columns):
     assert "theta_rad: {quaternion: [q1, q2, q3, q0]}" in err
 
 
-def stamped(columns, seconds, nanoseconds):
+def stamped(columns, seconds, parts, parts_in_ns=1):
     t_ns = 1_700_000_000_950_000_000 + np.rint(1e9 * DT * np.arange(len(columns["time_ms"]))).astype(np.int64)
     others = {name: column for name, column in columns.items() if name != "time_ms"}
-    return {seconds: t_ns // 10**9, nanoseconds: t_ns % 10**9} | others
+    return {seconds: t_ns // 10**9, parts: t_ns % 10**9 // parts_in_ns} | others
 
 
 STAMPS = [
-    ("header.stamp.sec", "header.stamp.nanosec"),
-    ("secs", "nsecs"),
-    ("header_stamp_secs", "header_stamp_nsecs"),
-    ("stamp.sec", "stamp.nsec"),
-    ("seconds", "nanoseconds"),
-    ("Time.sec", "Time.nanosec"),
+    ("header.stamp.sec", "header.stamp.nanosec", "nanoseconds"),
+    ("secs", "nsecs", "nanoseconds"),
+    ("header_stamp_secs", "header_stamp_nsecs", "nanoseconds"),
+    ("stamp.sec", "stamp.nsec", "nanoseconds"),
+    ("seconds", "nanoseconds", "nanoseconds"),
+    ("Time.sec", "Time.nanosec", "nanoseconds"),
+    ("tv_sec", "tv_usec", "microseconds"),
+    ("sec", "usec", "microseconds"),
+    ("seconds", "microseconds", "microseconds"),
 ]
 
 
-@pytest.mark.parametrize("names", STAMPS)
-def test_seconds_and_nanoseconds_are_one_time(names, init, columns, tmp_path):
+@pytest.mark.parametrize(("seconds", "parts", "unit"), STAMPS)
+def test_seconds_and_parts_of_one_are_one_time(seconds, parts, unit, init, columns, tmp_path):
     init(columns, "--out", "by_ms")
-    code, out, err, _ = init(stamped(columns, *names))
+    code, out, err, _ = init(stamped(columns, seconds, parts, 1000 if unit == "microseconds" else 1))
     assert (code, err) == (0, "")
-    assert f"t_s             from {names[0]} and nanoseconds {names[1]}" in out
+    assert f"t_s             from {seconds} and {unit} {parts}" in out
     mapping = yaml.safe_load((tmp_path / "run" / "mapping.yaml").read_text())
-    assert mapping["columns"]["t_s"] == {"column": names[0], "nanoseconds": names[1]}
+    assert mapping["columns"]["t_s"] == {"column": seconds, unit: parts}
     stamps, times = (
         np.genfromtxt(tmp_path / case / "data.csv", delimiter=",", names=True)["t_s"] for case in ("run", "by_ms")
     )
@@ -146,11 +149,16 @@ def test_seconds_and_nanoseconds_are_one_time(names, init, columns, tmp_path):
     [
         ({"t_s": {"column": "secs", "nanoseconds": "ns"}}, "columns.t_s: the log has no such column: got 'ns'"),
         ({"t_s": {"column": "secs", "nanoseconds": "nsecs", "unit": "ms"}}, "columns.t_s: nanoseconds are added to"),
+        ({"t_s": {"column": "secs", "microseconds": "nsecs"}}, "column nsecs: got '950000000', allowed: whole numbers"),
+        (
+            {"t_s": {"column": "secs", "microseconds": "nsecs", "nanoseconds": "nsecs"}},
+            "columns.t_s: nanoseconds and microseconds; allowed: one of them",
+        ),
         ({"x_m": {"column": "x_cm", "nanoseconds": "nsecs"}}, "columns.x_m: nanoseconds is for t_s"),
         ({"t_s": {"column": "secs", "nanoseconds": "x_cm"}}, "column x_cm: got"),
     ],
 )
-def test_nanoseconds_that_cannot_be_some_are_refused(change, message, init, columns, tmp_path):
+def test_parts_of_a_second_that_cannot_be_some_are_refused(change, message, init, columns, tmp_path):
     logged = stamped(columns, "secs", "nsecs")
     init(logged)
     mapping = yaml.safe_load((tmp_path / "run" / "mapping.yaml").read_text())
