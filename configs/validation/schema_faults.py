@@ -22,7 +22,7 @@ _UNITS = {
 
 NOT_FLAT = frozenset({"ramp", "ramps", "slope", "slopes", "stairs", "steps", "pitch_deg", "roll_deg", "tilt_deg"})
 """Keys of an arena by which users try to describe a floor that is no plane."""
-IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz"})
+IMAGE_RATE = frozenset({"rate_hz", "period_s", "fps", "frame_rate", "frame_rate_hz", "frame_hz", "image_hz"})
 """Keys by which users try to give the rate of the images of data.csv."""
 OTHER_NAMES = (
     ("radius", "diameter", "write twice the radius"),
@@ -32,6 +32,8 @@ OTHER_NAMES = (
 )
 """Words in the names of keys, the words of the fields that have the other measure, and what to write there."""
 OWN_SENSOR = "a kind of your own needs its file: robot.sensor_files, or symolo --sensor-file FILE ..."
+MAX_PLACES = 3
+"""Largest number of sections that are named for a key that stands in the wrong one."""
 FLAT_FLOOR = (
     "the floor is a plane: ramps, steps and tilted things cannot be simulated; for a floor that slopes everywhere, use"
     " robot.effects.floor_slope"
@@ -111,15 +113,17 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     above, key = path[:-1], str(path[-1])
     parent, node = shape.at(above, root) or shape, root.at(above) or root
     known = list(parent.known_keys(node))
-    missing = [name for name in known if node.child(name) is None]
+    value = node.child(key)
+    fitting = [name for name in known if _takes(parent.child(name, node), value)]
+    missing = [name for name in fitting if node.child(name) is None]
     without_unit = next((name for name in missing if name.startswith(f"{key}_")), "")
-    close, cure = _other_measure(key, node.child(key), known)
-    close = close or nearest(key, missing) or without_unit or nearest(key, known)
+    close, cure = _other_measure(key, value, known)
+    close = close or nearest(key, missing) or without_unit or nearest(key, fitting)
     if above[:1] == ("arena",) and key in NOT_FLAT:
         close, cure = "", FLAT_FLOOR
     elif key == "extends":
         cure = "'extends' is allowed at the top of a file and directly in arena, robot and look"
-    elif key in IMAGE_RATE and above in {("robot", "camera"), ("render",)}:
+    elif key in IMAGE_RATE and above in {("robot", "camera"), ("render",), ("rates",)}:
         close = "rates.camera_hz"
     elif above == ("robot", "effects"):
         cure = "an effect of your own needs its file: robot.effect_files, or symolo --effect-file FILE ..."
@@ -132,6 +136,12 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
 
 
+def _takes(shape: Shape | None, value: Node | None) -> bool:
+    """Return whether a field may have been meant by the key of a value: a section is not a misspelt number or text."""
+    is_section = value is not None and isinstance(value.value, dict) and not value.is_distribution
+    return not is_section or shape is None or not shape.is_leaf
+
+
 def _elsewhere(above: FieldPath, key: str, root: Node, shape: Shape) -> tuple[str, str]:
     """Return the path of a field for which an unknown key stands in the wrong section, and what to do about it."""
     here, node = shape.at(above, root) or shape, root.at(above)
@@ -139,8 +149,10 @@ def _elsewhere(above: FieldPath, key: str, root: Node, shape: Shape) -> tuple[st
         inner, field = here.child(section, node), key.removeprefix(f"{section}_")
         if inner is not None and field != key and field in inner.known_keys():
             return dotted((*above, section, field)), ""
-    place = shape.first_places.get(key, ())
-    return ("", f"write {key} at the top of the scenario") if len(place) == 1 else (dotted(place), "")
+    places = shape.top_places.get(key, ())
+    if any(len(place) == 1 for place in places):
+        return "", f"write {key} at the top of the scenario"
+    return " or ".join(dotted(place) for place in places[:MAX_PLACES]), ""
 
 
 def _other_measure(key: str, node: Node | None, known: list[str]) -> tuple[str, str]:

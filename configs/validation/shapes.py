@@ -136,11 +136,16 @@ class Shape:
                 yield from inner.paths((*above, key))
 
     @cached_property
-    def first_places(self) -> dict[str, FieldPath]:
-        """First of `paths` for each key that ends one: a thousand unknown keys look here, and the schema is large."""
-        places: dict[str, FieldPath] = {}
+    def top_places(self) -> dict[str, tuple[FieldPath, ...]]:
+        """Shortest `paths` that end with each key; cached, because a file may have a thousand unknown keys."""
+        places: dict[str, tuple[FieldPath, ...]] = {}
         for path in self.paths():
-            places.setdefault(str(path[-1]), path)
+            key = str(path[-1])
+            others = places.get(key, ())
+            if not others or len(path) < len(others[0]):
+                places[key] = (path,)
+            elif len(path) == len(others[0]):
+                places[key] = (*others, path)
         return places
 
     def words(self) -> str:

@@ -65,6 +65,8 @@ CASES = {
     "key of another place": added(
         "winding_resistance_ohm: 3 #!", "winding_resistance_ohm", f"did you mean {RESISTANCE}"
     ),
+    "section of two places": added("camera: {x_m: 0.1} #!", "camera", "did you mean robot.camera or look.camera"),
+    "key of a deeper and a higher place": robot("material: wood #!", "robot.material", "mean look.floor.material"),
     "unknown key before the missing one": Bad("robot: nominal", "robt: nominal #!", "robt", "did you mean robot"),
     "radius of a wheel": robot(
         "drive: {wheel_radius_m: 0.0325} #!",
