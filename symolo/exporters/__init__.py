@@ -1,34 +1,18 @@
-"""All formats that a release is exported to, in the order in which `--help` names them."""
+"""Formats that a release is exported to: a module for each, with its `EXPORTER`."""
 
-from symolo.exporters import (
-    coco,
-    euroc,
-    hdf5,
-    huggingface,
-    kitti,
-    mcap,
-    parquet,
-    ros1,
-    tum,
-    webdataset,
-    yolo,
+FORMATS = (
+    "tum",
+    "kitti",
+    "euroc",
+    "coco",
+    "yolo",
+    "webdataset",
+    "parquet",
+    "mcap",
+    "ros1",
+    "hdf5",
+    "huggingface",
+    "lerobot",
+    "rerun",
 )
-from symolo.exporters.base import Exporter
-from symolo.exporters.lerobot import exporter as lerobot
-from symolo.exporters.rerun import exporter as rerun
-
-EXPORTERS: tuple[Exporter, ...] = (
-    tum.EXPORTER,
-    kitti.EXPORTER,
-    euroc.EXPORTER,
-    coco.EXPORTER,
-    yolo.EXPORTER,
-    webdataset.EXPORTER,
-    parquet.EXPORTER,
-    mcap.EXPORTER,
-    ros1.EXPORTER,
-    hdf5.EXPORTER,
-    huggingface.EXPORTER,
-    lerobot.EXPORTER,
-    rerun.EXPORTER,
-)
+"""Names of the formats and of their modules, in the order in which `--help` lists them."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 
@@ -15,7 +16,7 @@ from symolo.core.versions import versions
 from symolo.dataset.folder_kind import dataset_above
 from symolo.dataset.layout import SIDE
 from symolo.dataset.manifest import MANIFEST
-from symolo.exporters import EXPORTERS
+from symolo.exporters import FORMATS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.reader.dataset import Dataset, load
 from symolo.verification.inventory import Inventory
@@ -58,13 +59,12 @@ def exporters_of(names: Sequence[str], where: str) -> tuple[Exporter, ...]:
     Raises:
         InputError: There is no exporter of a name.
     """
-    known = {exporter.name: exporter for exporter in EXPORTERS}
     for name in names:
-        if name not in known:
+        if name not in FORMATS:
             cure = _CURES.get(name.lower(), "")
-            hint = "" if cure else nearest(name, known)
-            raise InputError(where, got=name, allowed=", ".join(known), nearest=hint, cure=cure)
-    return tuple(known[name] for name in dict.fromkeys(names))
+            hint = "" if cure else nearest(name, FORMATS)
+            raise InputError(where, got=name, allowed=", ".join(FORMATS), nearest=hint, cure=cure)
+    return tuple(import_module(f"symolo.exporters.{name}").EXPORTER for name in dict.fromkeys(names))
 
 
 def open_release(root: Path, runs: str | None) -> Dataset:

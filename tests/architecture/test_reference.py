@@ -12,7 +12,7 @@ from configs.loader import load_section
 from configs.schema.appearance.look import LookConfig
 from configs.schema.robot import RobotConfig
 from pipeline.cli import command_line
-from symolo.exporters import EXPORTERS
+from symolo.exporters import FORMATS
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted((DOCS / "reference").glob("*.md"))
@@ -91,7 +91,7 @@ def test_every_material_has_an_image():
 
 def test_every_format_is_explained_once():
     sections = re.findall(r"^## (\w+)$", "\n".join(map(Path.read_text, DOCS.glob("exports/*.md"))), re.MULTILINE)
-    assert sorted(sections) == sorted(exporter.name for exporter in EXPORTERS)
+    assert sorted(sections) == sorted(FORMATS)
 
 
 @pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda path: path.name)

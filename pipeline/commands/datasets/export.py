@@ -7,6 +7,7 @@ import typer
 from pipeline.commands.options import Dataset, DryRun, Json, NewFolder, Runs, names
 from symolo.core.errors import InputError
 from symolo.core.progress import plural
+from symolo.exporters import FORMATS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,8 +26,7 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="Formats: tum, kitti, euroc, coco, yolo, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, "
-            "rerun; for several, write commas between them.",
+            help=f"Formats: {', '.join(FORMATS)}; for several, write commas between them.",
         ),
     ],
     out: NewFolder,

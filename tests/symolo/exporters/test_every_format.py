@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from symolo.exporters import EXPORTERS
+from symolo.exporters import FORMATS
 
 HERE = Path(__file__).parent
 
@@ -19,7 +19,7 @@ def formats_of(path: Path) -> set[str]:
     return {one.value for one in found if isinstance(one, ast.Constant) and isinstance(one.value, str)}
 
 
-@pytest.mark.parametrize("name", [exporter.name for exporter in EXPORTERS])
+@pytest.mark.parametrize("name", FORMATS)
 def test_it_is_read_back_from_random_releases(name):
     assert any(name in formats_of(path) for path in HERE.glob("test_*.py"))
 
@@ -27,7 +27,7 @@ def test_it_is_read_back_from_random_releases(name):
 def test_the_same_bytes_again_alone_and_among_all(random_release, exported, tmp_path, release_of):
     """Nothing is kept from one format to the next, and nothing is of the day."""
     root = random_release(1, annotated=True).root
-    names = [exporter.name for exporter in EXPORTERS]
+    names = list(FORMATS)
     together = release_of(exported(root, tmp_path / "all", *names))
     assert {place.split("/")[0] for place in together} == {*names, "export.json"}
     for name in names:

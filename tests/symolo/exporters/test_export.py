@@ -10,10 +10,9 @@ from dataclasses import replace
 import pytest
 
 from symolo.dataset.documents.splits_record import NEIGHBOURS_WARNING
-from symolo.exporters import EXPORTERS
-from symolo.exporters import export as export_module
+from symolo.exporters import FORMATS, coco, tum
 from symolo.exporters.base import ExportSettings
-from symolo.exporters.export import open_release, plan
+from symolo.exporters.export import exporters_of, open_release, plan
 
 
 def one_line(ended) -> str:
@@ -62,7 +61,8 @@ def test_the_sizes_of_json_are_those_of_the_written_files_which_are_made_once(
     def counting(exporter):
         return replace(exporter, files=lambda data, settings: [counted(f) for f in exporter.files(data, settings)])
 
-    monkeypatch.setattr(export_module, "EXPORTERS", tuple(counting(exporter) for exporter in EXPORTERS))
+    for module in (tum, coco):
+        monkeypatch.setattr(module, "EXPORTER", counting(module.EXPORTER))
     document = json.loads(symolo("export", root, "--format", "tum,coco", "--out", out, "--json").out)
     assert set(made.values()) == {1}
     for part in document["formats"]:
@@ -100,7 +100,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(
     case = tmp_path_factory.mktemp("case")
     (case / "data.csv").write_text("")
     (taken / "mine.txt").write_text("mine")
-    known = ", ".join(exporter.name for exporter in EXPORTERS)
+    known = ", ".join(FORMATS)
     for arguments, what in (
         ((root, "tun", out), f"--format: got 'tun', allowed: {known}; did you mean tum"),
         ((root, "ros2", out), f"--format: got 'ros2', allowed: {known}; a bag of ROS 2 is the format mcap"),
@@ -164,7 +164,7 @@ def test_a_disk_without_room_is_reported_before_the_work_starts(random_release, 
     root = random_release(1).root
     usage = shutil.disk_usage(tmp_path)._replace(free=50_000)
     monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
-    formats = ",".join(exporter.name for exporter in EXPORTERS if exporter.name not in {"coco", "yolo"})
+    formats = ",".join(name for name in FORMATS if name not in {"coco", "yolo"})
     refused = symolo("export", root, "--format", formats, "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (5, 1)
     assert re.search(r"/out: about \d+ (MB|kB) are needed and 50 kB are free", refused.err)
@@ -176,7 +176,7 @@ def test_a_disk_without_room_is_reported_before_the_work_starts(random_release, 
 def test_the_room_that_is_looked_for_is_about_what_is_written(random_release):
     """Within a factor of two for each format, also where the size is not worked out first."""
     data = open_release(random_release(2, annotated=True).root, None)
-    for planned in plan(data, EXPORTERS, ExportSettings(10**6)):
+    for planned in plan(data, exporters_of(FORMATS, ""), ExportSettings(10**6)):
         asked = sum(file.room_bytes() for file in planned.files)
         taken = sum(file.size_bytes() for file in planned.files)
         assert 0.5 < asked / taken < 2, planned.exporter.name

@@ -12,7 +12,7 @@ from webdataset import tariterators
 
 from symolo.dataset.tables.rows import HEADER
 from symolo.dataset.tables.side_tables import WHEELS
-from symolo.exporters import EXPORTERS
+from symolo.exporters import FORMATS as ALL_FORMATS
 from symolo.exporters.base import ExportSettings
 from symolo.exporters.export import exporters_of, open_release, plan
 
@@ -265,5 +265,5 @@ def test_a_sample_larger_than_a_shard_gets_one_of_its_own(random_release):
 
 def test_a_plan_knows_the_size_of_every_file(random_release):
     data = open_release(random_release(1, annotated=True).root, None)
-    for planned in plan(data, EXPORTERS, ExportSettings(40_000)):
+    for planned in plan(data, exporters_of(ALL_FORMATS, ""), ExportSettings(40_000)):
         assert [file.size_bytes() for file in planned.files] == [len(file.content()) for file in planned.files]
