@@ -1,14 +1,12 @@
 """Commands for effects, also a user's own: `symolo effect check`, `new`, `list`, `show`, `extract`."""
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.extract import extract_command
-from pipeline.commands.options import absent_file_check, checked_input, if_given
+from pipeline.commands.options import checked_input
+from pipeline.commands.user_files import NewCode, conclude_check, extract_command, write_template
 from symolo.core.errors import InputError
 
 HELP = "Write and check an effect of your own, or look at those that there are."
@@ -26,15 +24,7 @@ def new(
             help="Place in the signal chain where it acts; `effect list` shows them. By default it is `range`.",
         ),
     ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE.py",
-            callback=if_given(absent_file_check(".py")),
-            help="File to write; by default NAME.py in this folder.",
-        ),
-    ] = None,
+    out: NewCode = None,
 ) -> None:
     """Write a file with an effect of your own to begin with, which `effect check` accepts.
 
@@ -42,11 +32,8 @@ def new(
     """
     from pipeline.effects.template import slot_named, template
     from pipeline.effects.template_laws import LAWS
-    from symolo.core.files.atomic_files import write_file
 
-    file = out or absent_file_check(".py")(Path(f"{name}.py"))
-    text = template(name, slot_named(_DEFAULT_SLOT if slot is None else slot))
-    write_file(file, text.encode())
+    file = write_template(name, out, template(name, slot_named(_DEFAULT_SLOT if slot is None else slot)))
     if slot is None:
         others = ", ".join(sorted(one for one in LAWS if one != _DEFAULT_SLOT))
         typer.echo(f"It acts in the slot '{_DEFAULT_SLOT}', because --slot was not given; others are: {others}.")
@@ -72,15 +59,11 @@ def check(
 
     check_installed("pybullet")
     checked = checked_of(file)
-    for line in check_text(checked):
-        typer.echo(line)
+    trial = None
     if checked.is_good:
         settings = [word for setting in checked.settings for word in ("--set", setting)]
-        options = shlex.join(["--effect-file", str(file), "simulate", "smoke", *settings])
-        typer.echo(f"{file} keeps every rule; try it: symolo {options} --out data")
-        return 0
-    typer.echo(f"symolo: {file}: breaks a rule, see above", err=True)
-    return BAD_INPUT
+        trial = ["--effect-file", str(file), "simulate", "smoke", *settings]
+    return conclude_check(file, check_text(checked), trial)
 
 
 def list_(

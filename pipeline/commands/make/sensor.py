@@ -1,14 +1,12 @@
 """Commands for sensors, also a user's own: `symolo sensor new`, `check`, `list`, `show`, `extract`."""
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.exit_codes import BAD_INPUT
-from pipeline.commands.extract import extract_command
-from pipeline.commands.options import absent_file_check, checked_input, if_given
+from pipeline.commands.options import checked_input
+from pipeline.commands.user_files import NewCode, conclude_check, extract_command, write_template
 
 HELP = "Write and check a sensor of your own, or look at those that there are."
 
@@ -16,25 +14,15 @@ HELP = "Write and check a sensor of your own, or look at those that there are."
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the kind of sensor, such as compass.")],
     *,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE.py",
-            callback=if_given(absent_file_check(".py")),
-            help="File to write; by default NAME.py in this folder.",
-        ),
-    ] = None,
+    out: NewCode = None,
 ) -> None:
     """Write a file with a sensor of your own to begin with, which `sensor check` accepts.
 
     Example: symolo sensor new compass
     """
     from pipeline.sensors.template import template
-    from symolo.core.files.atomic_files import write_file
 
-    file = out or absent_file_check(".py")(Path(f"{name}.py"))
-    write_file(file, template(name).encode())
+    file = write_template(name, out, template(name))
     typer.echo(f"{file}: change it as you like, then: symolo sensor check {file}")
 
 
@@ -56,14 +44,8 @@ def check(
 
     check_installed("pybullet")
     checked = checked_of(file)
-    for line in check_text(checked):
-        typer.echo(line)
-    if checked.is_good:
-        options = shlex.join(["--sensor-file", str(file), "simulate", "smoke", "--set", checked.trial.setting])
-        typer.echo(f"{file} keeps every rule; try it: symolo {options} --out data")
-        return 0
-    typer.echo(f"symolo: {file}: breaks a rule, see above", err=True)
-    return BAD_INPUT
+    trial = ["--sensor-file", str(file), "simulate", "smoke", "--set", checked.trial.setting]
+    return conclude_check(file, check_text(checked), trial if checked.is_good else None)
 
 
 def list_() -> None:
