@@ -183,7 +183,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     root, replaced = without_shipped_draws(with_posterior(completed))
     root = with_chosen(root)
     if root is not completed:
-        root = with_defaults(root, Shape.of(Scenario))
+        root = with_defaults(root, Shape.from_model(Scenario))
     root, assets = _with_files(_with_shapes(root), Scenario)
     return replace(_checked(root, assets), replaced_draws=replaced)
 
@@ -196,13 +196,13 @@ def _with_shapes(root: Node) -> Node:
 def _with_faults_elsewhere(root: Node, failed: Sequence[tuple[str, InputError]]) -> list[InputError]:
     """Return the faults of sections that could not be loaded, and those of the rest of the scenario."""
     try:
-        root = with_defaults(with_chosen(with_posterior(_completed(root, Scenario))), Shape.of(Scenario))
+        root = with_defaults(with_chosen(with_posterior(_completed(root, Scenario))), Shape.from_model(Scenario))
         others = all_faults(with_each_arena(_with_shapes(root), with_meshes), Scenario)
     except InputError as error:
         others = apart(error)
     sections = {section for section, _ in failed}
     # Files of the look are read once everything is loaded, so nobody knows which names of files are right.
-    left_out = fields_with_files(Shape.of(Scenario)) if root.place_of(("look", "assets")) else frozenset()
+    left_out = fields_with_files(Shape.from_model(Scenario)) if root.place_of(("look", "assets")) else frozenset()
     others = [one for one in others if one.field.partition(".")[0] not in sections and one.field not in left_out]
     return [*(fault for _, error in failed for fault in apart(error)), *others]
 
@@ -215,9 +215,9 @@ def _with_files(root: Node, model: type[Section]) -> tuple[Node, Mapping[str, Pa
     """
     root = with_each_arena(root, with_meshes)
     try:
-        return with_assets(root, Shape.of(model))
+        return with_assets(root, Shape.from_model(model))
     except InputError as error:
-        left_out = fields_with_files(Shape.of(model))
+        left_out = fields_with_files(Shape.from_model(model))
         others = [fault for fault in all_faults(root, model) if fault.field not in left_out]
         raise together(with_independent(apart(error), others)) from None
 
@@ -303,7 +303,7 @@ def _overridden(root: Node, model: type[Section], overrides: Sequence[str]) -> N
 def _completed(root: Node, model: type[Section]) -> Node:
     """Return the tree with all defaults, after loading the files of the user that its robot names."""
     root = with_user_files(root)
-    return with_defaults(root, Shape.of(model))
+    return with_defaults(root, Shape.from_model(model))
 
 
 def _origins(root: Node) -> dict[str, str]:

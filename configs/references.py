@@ -218,6 +218,6 @@ def resolve_camera(node: Node, folder: Path) -> Node:
     else:
         return node
     # With its defaults, nothing remains of a camera that it is merged over, nor of a field that is absent by default.
-    complete = with_defaults(camera, Shape.of(CameraLook))
+    complete = with_defaults(camera, Shape.from_model(CameraLook))
     absent = {name: Node(None, camera.where) for name in CameraLook.model_fields}
     return merge(Node(absent, camera.where), complete)

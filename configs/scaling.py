@@ -68,7 +68,7 @@ def scaled(kind: str, root: Node, factor: Node | None) -> Node:
     if isinstance(s, bool) or not isinstance(s, int | float) or not MIN_SCALE <= s <= MAX_SCALE:
         allowed = f"a number from {MIN_SCALE:g} to {MAX_SCALE:g}, without a distribution"
         raise InputError("scale", where=factor.where, got=factor.plain(), allowed=allowed)
-    return _scaled(with_defaults(root, Shape.of(MODELS[kind])), float(s), ())
+    return _scaled(with_defaults(root, Shape.from_model(MODELS[kind])), float(s), ())
 
 
 def _scaled(node: Node, s: float, path: FieldPath, exponent: float = 0.0) -> Node:

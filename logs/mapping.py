@@ -144,7 +144,7 @@ def read_mapping(path: Path, kinds: Sequence[LogKind], also: Sequence[str] = ())
         content = root.plain()
         mapping = LogMapping.model_validate({"kind": "", **content} if isinstance(content, dict) else content)
     except ValidationError as error:
-        faults.faults += all_explained(error, root, Shape.of(LogMapping))
+        faults.faults += all_explained(error, root, Shape.from_model(LogMapping))
     node = root.child("kind")
     if node is None:
         faults.faults.append(InputError("kind: missing", where=root.where, allowed=", ".join(names)))

@@ -24,7 +24,7 @@ class _DelayedSampling(Sampling):
     physics_hz: int
 
     @classmethod
-    def of(cls, effects: RobotEffects, physics_hz: int) -> "_DelayedSampling":
+    def from_effects(cls, effects: RobotEffects, physics_hz: int) -> "_DelayedSampling":
         return cls(period_steps=1, delay_steps=0, effects=effects, physics_hz=physics_hz)
 
     def step_read_at(self, step: int) -> int:
@@ -39,7 +39,7 @@ class PoseLog(Sensor):
     series = (Series("pose_log", "m, m, rad"),)
 
     def __init__(self, effects: RobotEffects, physics_hz: int) -> None:
-        self.sampling = _DelayedSampling.of(effects, physics_hz)
+        self.sampling = _DelayedSampling.from_effects(effects, physics_hz)
         self._point = effects.functions(Slot.POSE_POINT)
         self._heading = effects.functions(Slot.POSE_HEADING)
 

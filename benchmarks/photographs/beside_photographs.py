@@ -57,7 +57,8 @@ def main() -> None:
         rendered = frames(kind, SCENES, 1, options.folder / name.replace(" ", "_"), options.threads)
         rows[name] = list(zip(rendered.images, rendered.x_px, strict=True))
     figures = {
-        name: [ImageFigures.of(image, x_px, ROWS) for image, x_px in labelled] for name, labelled in rows.items()
+        name: [ImageFigures.from_image(image, x_px, ROWS) for image, x_px in labelled]
+        for name, labelled in rows.items()
     }
     print(f"{'median (smallest to largest)':26}" + "".join(f"{name:>26}" for name in figures))
     table = {name: medians(values) for name, values in figures.items()}

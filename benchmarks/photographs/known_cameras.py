@@ -38,7 +38,7 @@ def main() -> None:
         rng = stream(options.seed, "photographs", number)
         images = [photograph(camera, rng) for _ in range(PHOTOGRAPHS)]
         places = find_lines(images)
-        measured = [m for place in places if place and (m := PhotographMeasures.of("known", place))]
+        measured = [m for place in places if place and (m := PhotographMeasures.from_place("known", place))]
         if len(measured) < 3:
             print(f"camera {number}: a line in {len(measured)} of {PHOTOGRAPHS} photographs")
             continue

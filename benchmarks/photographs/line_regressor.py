@@ -43,7 +43,7 @@ class Figures:
     rows: int
 
     @classmethod
-    def of(cls, error_px: Array, group: Array) -> "Figures":
+    def from_errors(cls, error_px: Array, group: Array) -> "Figures":
         """Return the figures of errors (N, R), which are NaN where there is no label."""
         rng, names = stream(0, "bootstrap"), np.unique(group)
         parts = [error_px[group == name].ravel() for name in names]
@@ -105,7 +105,7 @@ def main() -> None:
         print(f"{name}: {settings[name]}", flush=True)
     errors = {test: {m: np.abs(f(seen.images) - seen.x_px) for m, f in methods.items()} for test, seen in tests.items()}
     results = {
-        test: {method: Figures.of(error, tests[test].group) for method, error in method_errors.items()}
+        test: {method: Figures.from_errors(error, tests[test].group) for method, error in method_errors.items()}
         for test, method_errors in errors.items()
     }
     print(f"{'':28}{'':22}median [px] (90 % range)   90 % below [px]   in % of {WIDTH_PX} px")

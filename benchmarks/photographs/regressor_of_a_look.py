@@ -65,7 +65,7 @@ def main() -> None:
         written[name] = {}
         for test, (images, x_px, group) in tests.items():
             error_px = np.abs(method(images) - x_px)
-            figures = Figures.of(error_px, group)
+            figures = Figures.from_errors(error_px, group)
             spread = f"({figures.median_low_px:.2f} to {figures.median_high_px:.2f})"
             cells.append(f"{figures.median_px:.2f} {spread}, {figures.p90_px:.2f}, {figures.rows} rows")
             written[name][test] = vars(figures) | {"errors_px": np.round(error_px, 2).tolist()}

@@ -51,7 +51,7 @@ def jaggedness_px(response: CameraResponse, slope: float, draws: int, *, jpeg: b
         pixels = develop(light, response, float(np.median(light)), draw + 1)
         pixels = compressed(pixels, QUALITY) if jpeg else pixels
         bgr = np.ascontiguousarray(pixels[..., ::-1])
-        seen.append(ImageFigures.of(bgr, middle_px(slope, 0.37 * draw, rows_px), ROWS).jaggedness_px)
+        seen.append(ImageFigures.from_image(bgr, middle_px(slope, 0.37 * draw, rows_px), ROWS).jaggedness_px)
     return float(np.median(seen))
 
 
@@ -79,7 +79,10 @@ def main() -> None:
         if known.sum() > 1:
             slope = np.polyfit(np.array(ROWS)[known], x_px[known], 1)[0]
             as_jpeg = compressed(np.ascontiguousarray(image[..., ::-1]), QUALITY)[..., ::-1]
-            both = [ImageFigures.of(np.ascontiguousarray(each), x_px, ROWS).jaggedness_px for each in (image, as_jpeg)]
+            both = [
+                ImageFigures.from_image(np.ascontiguousarray(each), x_px, ROWS).jaggedness_px
+                for each in (image, as_jpeg)
+            ]
             print(f"{name:10} {slope:6.2f} " + " ".join(f"{value:7.3f}" for value in both))
 
 

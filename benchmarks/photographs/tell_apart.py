@@ -62,14 +62,14 @@ def main() -> None:
     real = photographs(options.photographs, branch=False)
     scenes = range(FIRST_SCENE, FIRST_SCENE + options.scenes)
     photograph_figures = [
-        ImageFigures.of(image, x_px, ROWS) for image, x_px in zip(real.images, real.x_px, strict=True)
+        ImageFigures.from_image(image, x_px, ROWS) for image, x_px in zip(real.images, real.x_px, strict=True)
     ]
     unseen = photograph_figures[1::2]
     result = {"photographs, fitted": medians(photograph_figures[::2]), "photographs, unseen": medians(unseen)}
     areas, shown = {}, [(name, image) for name, image in zip(real.names, real.images, strict=True)]
     for name, kind in {"lab before": BEFORE, "lab": AFTER}.items():
         rendered = frames(kind, scenes, 1, options.folder / name.replace(" ", "_"), options.threads)
-        figures = [ImageFigures.of(*one, ROWS) for one in zip(rendered.images, rendered.x_px, strict=True)]
+        figures = [ImageFigures.from_image(*one, ROWS) for one in zip(rendered.images, rendered.x_px, strict=True)]
         result[name] = medians(figures)
         areas[name] = {
             "all figures": area(photograph_figures, figures),

@@ -94,7 +94,7 @@ def _triangles_of(seen: VisibleScene, solid: Solid) -> TriangleBody | None:
     if any(len(face) != 3 for face in mesh.faces):
         return None
     X_WI = seen.pose_X_WI(solid.instance_id)
-    return TriangleBody.of(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
+    return TriangleBody.from_corners(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
 
 
 def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:

@@ -39,7 +39,7 @@ class Passes:
         return Passes(self.mesh[v, u], self.point_W[v, u], self.normal_W[v, u])
 
     @classmethod
-    def of(cls, channels: Mapping[str, NDArray[np.generic]], layer: str) -> "Passes":
+    def from_channels(cls, channels: Mapping[str, NDArray[np.generic]], layer: str) -> "Passes":
         """Return the passes from the channels of Blender's multilayer OpenEXR file."""
 
         def vector(name: str) -> Array:

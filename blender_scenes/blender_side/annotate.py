@@ -58,7 +58,7 @@ def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[Fram
         samples=sampling.samples,
         denoise=sampling.denoise,
     )
-    passes = Passes.of(channels, bpy.context.view_layer.name).through_lens(job.camera)
+    passes = Passes.from_channels(channels, bpy.context.view_layer.name).through_lens(job.camera)
     seen = VisibleScene(job, view, job.following(view.number), passes)
     names = job.files(view.number)
     for kind, make_image in IMAGE_ANNOTATIONS.items():

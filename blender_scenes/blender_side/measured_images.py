@@ -76,7 +76,11 @@ class Probe:
             for measured in self._measured:
                 measured.light = None
         errors = (self._errors_in(measured) for measured in self._measured)
-        return ImageErrors.until_refused(errors) if isinstance(candidate, HybridSamples) else ImageErrors.of(errors)
+        return (
+            ImageErrors.until_refused(errors)
+            if isinstance(candidate, HybridSamples)
+            else ImageErrors.from_images(errors)
+        )
 
     def refine(self, samples: int) -> None:
         """Trace the references until each has so many samples, in steps that depend on the number of samples only."""

@@ -42,12 +42,12 @@ class FlatRenderer:
         numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
         self._job = job
         self._pixels = cache(lambda sha256: read_image(read_user_image(user_files, sha256)))
-        self._still = Triangles.of(scene.meshes, numbers)
-        self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
-        self._robot = Triangles.of(scene.robot_in_sight, numbers)
+        self._still = Triangles.from_meshes(scene.meshes, numbers)
+        self._moving = tuple(Triangles.from_meshes((mesh,), numbers) for mesh in scene.moving)
+        self._robot = Triangles.from_meshes(scene.robot_in_sight, numbers)
         colors = np.array([typical_color(surface) for surface in scene.surfaces])
         self._all_around = from_all_around(scene.panels, self._still, colors[self._still.surface])
-        self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
+        self._shadow = SunShadow.from_scene(scene.sun, self._still) if scene.sun else None
         self._pinhole = pinhole_image(job.camera).camera
         small = metering_camera(self._pinhole)
         metered = np.concatenate([self.light(view, small) for view in metered_views(job.frames)])

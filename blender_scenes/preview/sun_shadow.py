@@ -28,7 +28,7 @@ class SunShadow:
     lift_m: float
 
     @classmethod
-    def of(cls, sun: Sun, scene: Triangles) -> "SunShadow":
+    def from_scene(cls, sun: Sun, scene: Triangles) -> "SunShadow":
         """Return the shadows of what stands still."""
         points = scene.corners.reshape(-1, 3)
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))

@@ -20,7 +20,7 @@ class Triangles:
     """(T,), number of the surface."""
 
     @classmethod
-    def of(cls, meshes: Sequence[Mesh], numbers: Mapping[str, int]) -> "Triangles":
+    def from_meshes(cls, meshes: Sequence[Mesh], numbers: Mapping[str, int]) -> "Triangles":
         """Return all faces as fans of triangles about their first corner, in the meshes' order.
 
         Args:

@@ -74,7 +74,7 @@ class ImageErrors:
     """Probability with which the upper confidence limit of an error may be too small."""
 
     @classmethod
-    def of(cls, errors: Iterable[ImageError]) -> Self:
+    def from_images(cls, errors: Iterable[ImageError]) -> Self:
         """Return the errors of images."""
         taken = list(errors)
         return cls(
@@ -91,7 +91,7 @@ class ImageErrors:
             taken.append(error)
             if _ratio(error.rendering, error.jpeg) > 1:
                 break
-        return cls.of(taken)
+        return cls.from_images(taken)
 
     @property
     def relative_dB(self) -> tuple[float, ...]:

@@ -26,7 +26,7 @@ def checked_alone(root: Node, path: FieldPath, model: type[Alone], cure: str) ->
     tree = root.at(path) or Node(None, root.where)
     for key in reversed(path):
         tree = Node({str(key): tree}, tree.where)
-    tree = with_defaults(tree, Shape.of(model))
+    tree = with_defaults(tree, Shape.from_model(model))
     for random in distributions_of(tree, model):
         raise InputError(f"{dotted(random)}: no distribution is allowed here", where=tree.place_of(random), cure=cure)
     return validated(tree, model, {})

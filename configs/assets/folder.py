@@ -39,7 +39,7 @@ def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
     look = root.child("look")
     if look is None or not isinstance(look.value, dict):
         return root, {}
-    folder = _Folder.of(look.child("assets"))
+    folder = _Folder.from_node(look.child("assets"))
     for path, kind, known, node in _named(look, shape):
         for name in _names(node, path):
             if name not in known:
@@ -116,7 +116,7 @@ class _Folder:
     """Paths by SHA-256."""
 
     @classmethod
-    def of(cls, node: Node | None) -> "_Folder":
+    def from_node(cls, node: Node | None) -> "_Folder":
         if node is None or node.value is None:
             return cls(None)
         what = dotted(_FOLDER)

@@ -16,7 +16,7 @@ def optics_faults(camera: CameraOptics, width_px: int, height_px: int) -> Iterat
             problem = "it is that of a pinhole camera, but the camera has a fisheye lens"
             cure = "the coefficients of a fisheye lens are fisheye.k1 to fisheye.k4"
             yield ConfigFault(("distortion",), problem, cure=cure)
-        names, values = ("k1", "k2", "k3", "k4"), Fisheye.of(camera.fisheye).k
+        names, values = ("k1", "k2", "k3", "k4"), Fisheye.from_settings(camera.fisheye).k
         field, cure = "fisheye", "take smaller coefficients or a narrower field of view"
     if problem := lens_problem(camera, width_px, height_px):
         got = ", ".join(f"{name} {value:g}" for name, value in zip(names, values, strict=True) if value)

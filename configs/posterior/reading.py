@@ -96,7 +96,7 @@ def _read(path: Path, where: str) -> Node:
     try:
         Posterior.model_validate(complete.plain())
     except ValidationError as error:
-        raise together(all_explained(error, complete, Shape.of(Posterior))) from None
+        raise together(all_explained(error, complete, Shape.from_model(Posterior))) from None
     return Node({**fields, "sha256": Node(sha256_of(path), where)}, where)
 
 
@@ -110,7 +110,7 @@ def _check_stored(posterior: Node) -> None:
     try:
         loaded = _Stored.model_validate(complete.plain()).like
     except ValidationError as error:
-        raise together(all_explained(error, complete, Shape.of(_Stored))) from None
+        raise together(all_explained(error, complete, Shape.from_model(_Stored))) from None
     for record in loaded.effect_files:
         file = EFFECTS.files.get(record.name)
         if file is None or file.sha256 != record.sha256:

@@ -53,7 +53,7 @@ _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NU
 
 def scenario_json_schema() -> dict[str, Any]:
     """Return the schema as plain data, draft 2020-12."""
-    shape = Shape.of(Scenario, DescribedJsonSchema)
+    shape = Shape.from_model(Scenario, DescribedJsonSchema)
     in_lists = set(_below_lists(shape.schema, shape))
     definitions = {
         name: _mapping(schema, shape, required=name in in_lists) for name, schema in shape.definitions.items()

@@ -44,7 +44,7 @@ class Shape:
     """Shapes below this one that were asked for, by key, and its variants, by tag: reading a file asks for most."""
 
     @classmethod
-    def of(cls, model: type[BaseModel], generator: type[GenerateJsonSchema] = FullNames) -> "Shape":
+    def from_model(cls, model: type[BaseModel], generator: type[GenerateJsonSchema] = FullNames) -> "Shape":
         """Return the shape of a model, with the effects, sensors and controllers that there are now."""
         return _shape(model, (effects_section(), sensors_section(), controllers_section()), generator)
 

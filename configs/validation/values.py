@@ -85,7 +85,7 @@ def _parsed_distributions(
     root: Node, model: type[BaseModel]
 ) -> tuple[dict[FieldPath, FieldDistribution], list[InputError]]:
     faults, distributions = FaultList(), {}
-    for path, node, shape in _distributions(root, Shape.of(model), ()):
+    for path, node, shape in _distributions(root, Shape.from_model(model), ()):
         with faults.noted():
             distributions[path] = _field_distribution(node, shape, path)
     return distributions, faults.faults
@@ -125,7 +125,7 @@ def validated(root: Node, model: type[Model], values: Values) -> Model:
     try:
         return model.model_validate(filled(root, values), context=KNOWN_ONLY)
     except ValidationError as error:
-        raise together(all_explained(error, root, Shape.of(model))) from None
+        raise together(all_explained(error, root, Shape.from_model(model))) from None
 
 
 def filled(root: Node, values: Values) -> Any:  # noqa: ANN401 - whatever the file holds

@@ -28,7 +28,7 @@ class ActiveSamples:
     """Range of each covariate of the law over the samples in which it acts."""
 
     @classmethod
-    def of(cls, evidence: Evidence, covariates: Sequence[str], acts: Mask) -> "ActiveSamples | None":
+    def from_evidence(cls, evidence: Evidence, covariates: Sequence[str], acts: Mask) -> "ActiveSamples | None":
         """Return the samples in which a law acts; None if it acts in none.
 
         Args:

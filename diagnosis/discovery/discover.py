@@ -166,7 +166,7 @@ def _law(diagnosis: Diagnosis, best: FittedLaw, search: LawSearch) -> tuple[Disc
         values=dict(values),
         std=form.with_width_of_jump(values, fit.std(form.candidate)),
         ranges=tuple(_ranges(diagnosis, fit, form)),
-        active=ActiveSamples.of(
+        active=ActiveSamples.from_evidence(
             evidence, form.covariates, rows_of(evidence, diagnosis.selection.nominal, fit, form.candidate)
         ),
         is_curve=form.shape == CURVE,

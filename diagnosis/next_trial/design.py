@@ -174,7 +174,7 @@ def criterion_of(statistics: UnitStatistics) -> Criterion:
 
 
 def _value(statistics: UnitStatistics, criterion: Criterion, units: Units) -> float:
-    return float(criterion(statistics.of_units.of(units).total()))
+    return float(criterion(statistics.of_units.for_units(units).total()))
 
 
 def _relaxed(template: Measurement, limits: Limits) -> Iterator[tuple[str, Limits]]:

@@ -39,10 +39,10 @@ def best_units(
     """
     chosen: list[int] = []
     max_slots = ceil(len(slots) / MIN_SETTINGS)
-    sums = statistics.of_units.of(np.empty(0, dtype=np.int64)).total()
+    sums = statistics.of_units.for_units(np.empty(0, dtype=np.int64)).total()
     for slot in slots:
         units = _allowed(slot, chosen, setting, max_slots)
-        values = criterion(sums.plus(statistics.of_units.of(units)))
+        values = criterion(sums.plus(statistics.of_units.for_units(units)))
         chosen.append(int(units[_best(values)]))
         sums = sums.plus(_single(statistics, chosen[-1]))
     for _ in range(MAX_SWEEPS):
@@ -50,7 +50,7 @@ def best_units(
         for slot, every in enumerate(slots):
             units = _allowed(every, chosen[:slot] + chosen[slot + 1 :], setting, max_slots)
             rest = sums.plus(_single(statistics, chosen[slot]), -1.0)
-            values = criterion(rest.plus(statistics.of_units.of(units)))
+            values = criterion(rest.plus(statistics.of_units.for_units(units)))
             best = _best(values)
             present = float(values[np.flatnonzero(units == chosen[slot])[0]])
             if float(values[best]) > present + MIN_RISE * max(1.0, abs(present)):
@@ -71,7 +71,7 @@ def _allowed(
 
 
 def _single(statistics: UnitStatistics, unit: int) -> Sums:
-    return statistics.of_units.of(np.array([unit])).total()
+    return statistics.of_units.for_units(np.array([unit])).total()
 
 
 def _best(values: Array) -> int:

@@ -59,7 +59,7 @@ class Sums:
         )
         return Sums(*parts)
 
-    def of(self, units: NDArray[np.int64]) -> "Sums":
+    def for_units(self, units: NDArray[np.int64]) -> "Sums":
         """Return the values of some units from those of all units."""
         return Sums(*(tuple(each[units] for each in part) for part in (self.information, self.squares, self.products)))
 

@@ -58,7 +58,7 @@ class CameraTarget:
     """(3,)."""
 
     @classmethod
-    def of(cls, photographs: Sequence[PhotographMeasures]) -> "CameraTarget":
+    def from_photographs(cls, photographs: Sequence[PhotographMeasures]) -> "CameraTarget":
         """Return the medians over photographs, at least one."""
         return cls(
             edge_px=median_of(photographs, lambda p: p.edge_px),
@@ -94,7 +94,7 @@ def fit_camera(photographs: Sequence[PhotographMeasures], base: CameraLook) -> F
         photographs: Photographs of one camera.
         base: Camera with the settings that photographs do not reveal: tone curve, noise reduction, colour filter.
     """
-    target = CameraTarget.of(photographs)
+    target = CameraTarget.from_photographs(photographs)
     falloff = vignetting(photographs, base.contrast)
     look = base.model_copy(
         update={
@@ -173,10 +173,10 @@ def _light(light: Array, target_rgb: Array, measured_rgb: Array, look: CameraLoo
 def _measured(camera: FittedCamera, shape: tuple[int, int], width_px: float) -> CameraTarget:
     """Return the measures of the model images."""
     places = [model_image(camera, shape, width_px, number) for number in range(_MODEL_IMAGES)]
-    measures = [measured for place in places if (measured := PhotographMeasures.of("model", place))]
+    measures = [measured for place in places if (measured := PhotographMeasures.from_place("model", place))]
     if not measures:
         raise ValueError(f"a line {width_px:.0f} px wide leaves no floor in an image {shape[1]} px wide")
-    return CameraTarget.of(measures)
+    return CameraTarget.from_photographs(measures)
 
 
 def model_image(camera: FittedCamera, shape: tuple[int, int], width_px: float, number: int = 0) -> LinePlace:

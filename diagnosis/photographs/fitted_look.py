@@ -109,7 +109,7 @@ class FittedLook:
         return f"--set {shlex.quote(f'look={file}')} --set render.width_px={width} --set render.height_px={height}"
 
     def _surfaces(self) -> Iterator[LookSetting]:
-        saturation, photographed = self.camera.look.saturation, CameraTarget.of(self.photographs)
+        saturation, photographed = self.camera.look.saturation, CameraTarget.from_photographs(self.photographs)
         assumed = "assumed; --floor-reflectance sets it" if self.reflectance_is_assumed else "as given"
         colour = f"colour of the floor, R G B {_levels(photographed.floor_rgb)}"
         if isinstance(self.floor, MeasuredFloor):

@@ -58,7 +58,7 @@ class FloorMeasures:
     """Median light of what is beside the line as a share of that of the bare floor."""
 
     @classmethod
-    def of(
+    def from_photographs(
         cls,
         photographs: Sequence[PhotographMeasures],
         camera: CameraLook,
@@ -76,7 +76,7 @@ class FloorMeasures:
         Raises:
             ValueError: Too little of the floor is visible.
         """
-        seen = [_Seen.of(photograph, camera.contrast, camera.vignetting) for photograph in photographs]
+        seen = [_Seen.from_photograph(photograph, camera.contrast, camera.vignetting) for photograph in photographs]
         sheets = _sheets(seen)
         border = np.inf if sheets is None else 0.5 * sheets.width + sheets.shift
         floors, lighter = [], []
@@ -95,7 +95,7 @@ class FloorMeasures:
             )
         if not floors:
             raise ValueError("too little of the floor is visible")
-        return cls(FloorTexture.of(floors, camera.lens_blur_px), sheets, float(np.exp(np.median(lighter))))
+        return cls(FloorTexture.from_floors(floors, camera.lens_blur_px), sheets, float(np.exp(np.median(lighter))))
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class _Seen:
     is_turned: bool
 
     @classmethod
-    def of(cls, photograph: PhotographMeasures, contrast: float, vignetting: float) -> "_Seen":
+    def from_photograph(cls, photograph: PhotographMeasures, contrast: float, vignetting: float) -> "_Seen":
         place, (height, width) = photograph.place, photograph.place.shape
         v, u = np.mgrid[0:height, 0:width]
         transmitted = 1 - vignetting * corner_share(u, v, width, height)

@@ -44,7 +44,7 @@ class FloorTexture:
     """Standard deviation of the logarithm of the reflectance that each of them adds."""
 
     @classmethod
-    def of(cls, floors: Sequence[FloorLight], blur_px: float) -> "FloorTexture":
+    def from_floors(cls, floors: Sequence[FloorLight], blur_px: float) -> "FloorTexture":
         """Return the texture whose covariance is that of the photographs, before the lens blurred it.
 
         Args:

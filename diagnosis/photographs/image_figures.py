@@ -50,7 +50,7 @@ class ImageFigures:
     """Standard deviation of the line's edge, row by row and square to the edge, from a smooth curve along nine rows."""
 
     @classmethod
-    def of(
+    def from_image(
         cls, image: NDArray[np.uint8], x_px: Array, rows_px: Sequence[float], *, is_dark: bool = True
     ) -> "ImageFigures":
         """Return the figures of an image.

@@ -48,7 +48,7 @@ class PhotographMeasures:
     """Height by which the floor beside the edge exceeds the floor farther off, as a share of the edge."""
 
     @classmethod
-    def of(cls, name: str, place: LinePlace) -> "PhotographMeasures | None":
+    def from_place(cls, name: str, place: LinePlace) -> "PhotographMeasures | None":
         """Return the measures; None where too little of the floor is visible beside the line to measure its edges."""
         floor, line = floor_and_line(place)
         grey = cv2.cvtColor(place.image, cv2.COLOR_BGR2GRAY).astype(np.float64)
@@ -75,7 +75,9 @@ class PhotographMeasures:
     @cached_property
     def figures(self) -> ImageFigures:
         """Return the figures by which photographs and rendered images are compared."""
-        return ImageFigures.of(self.place.image, self.place.x_px, self.place.rows_px, is_dark=self.place.is_dark)
+        return ImageFigures.from_image(
+            self.place.image, self.place.x_px, self.place.rows_px, is_dark=self.place.is_dark
+        )
 
 
 def floor_and_line(place: LinePlace) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -98,7 +98,7 @@ def _image_of_model(look: FittedLook) -> tuple[BgrImage, ImageFigures]:
     """Return the image of the camera model, and its figures."""
     shape = look.photographs[0].place.shape
     place = model_image(look.camera, shape, median_of(look.photographs, lambda p: p.place.width_px))
-    return place.image, ImageFigures.of(place.image, place.x_px, place.rows_px, is_dark=place.is_dark)
+    return place.image, ImageFigures.from_image(place.image, place.x_px, place.rows_px, is_dark=place.is_dark)
 
 
 def _column(look: FittedLook) -> str:

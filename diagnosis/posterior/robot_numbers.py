@@ -141,7 +141,7 @@ def _is_log(hypothesis: Hypothesis) -> Mask:
 
 def _number(path: FieldPath, value: float, *, is_log: bool, tree: Mapping[str, object]) -> RobotNumber:
     root = Node({"robot": node_of(dict(tree), "")}, "")
-    shape = Shape.of(RobotAlone).at(("robot", *path), root)
+    shape = Shape.from_model(RobotAlone).at(("robot", *path), root)
     schema = shape.schema if shape else {}
     low = float(schema.get("minimum", schema.get("exclusiveMinimum", -np.inf)))
     high = float(schema.get("maximum", schema.get("exclusiveMaximum", np.inf)))

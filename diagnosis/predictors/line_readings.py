@@ -166,7 +166,7 @@ class LineReadings:
 
     def _expected(self, robot: RobotConfig) -> "_Readings":
         """Return the readings of a robot without tolerances."""
-        optics, effects = LineOptics.of(self._sensor, robot.effects), robot.effects
+        optics, effects = LineOptics.from_config(self._sensor, robot.effects), robot.effects
         ink = self._ink(robot, optics)
         reading = applied(effects.functions(Slot.LINE_READING), optics.light(ink, self._arena))
         limits = effects.functions(Slot.LINE_LIMIT)

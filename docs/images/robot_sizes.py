@@ -25,7 +25,7 @@ def robots_beside_each_other() -> np.ndarray:
     ]
     numbers = {surface.name: number for number, surface in enumerate(surfaces)}
     meshes, labels, x_m = (
-        [Triangles.of((block("floor", (0.0, 0.0, -0.01), (4.0, 4.0, 0.02), "floor"),), numbers)],
+        [Triangles.from_meshes((block("floor", (0.0, 0.0, -0.01), (4.0, 4.0, 0.02), "floor"),), numbers)],
         [],
         -0.4,
     )
@@ -34,7 +34,7 @@ def robots_beside_each_other() -> np.ndarray:
         x_m += 0.5 * robot.chassis.width_m
         place = pose_X_WR(x_m, 0.0, -0.5 * np.pi)
         line = block("line", (0.0, 0.0, 0.0), (3.0, line_m, 0.001), "line")
-        meshes.append(Triangles.of((*robot_body(robot), line), numbers).placed(place))
+        meshes.append(Triangles.from_meshes((*robot_body(robot), line), numbers).placed(place))
         labels.append((x_m, f"{name}, {100 * robot.chassis.length_m:.0f} cm"))
         x_m += 0.5 * robot.chassis.width_m + 0.09
     camera, X_WC = (

@@ -31,7 +31,7 @@ class Track:
     """Changes of the data, in one sentence each."""
 
     @classmethod
-    def of(cls, topic: Topic, good: np.ndarray) -> "Track":
+    def from_topic(cls, topic: Topic, good: np.ndarray) -> "Track":
         """Return the poses of a topic that are `good` (N,)."""
         stream = topic.stream
         name = topic.frames if stream.type.endswith(("/TFMessage", "/tfMessage")) else stream.topic

@@ -75,7 +75,7 @@ def _tracks(bag: Bag) -> list[Track]:
 def _track(topic: Topic) -> Track:
     good = np.linalg.norm(topic.values[:, 3:7], axis=1) > _MIN_LENGTH
     good &= np.isfinite(topic.values[:, :7]).all(axis=1)
-    return Track.of(topic, good)
+    return Track.from_topic(topic, good)
 
 
 def _chosen(name: str, tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> Track:

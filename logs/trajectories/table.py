@@ -104,7 +104,7 @@ class _MappedTable:
     guesses: tuple[str, ...]
 
     @classmethod
-    def of(cls, path: Path, settings: ReadSettings) -> "_MappedTable":
+    def from_file(cls, path: Path, settings: ReadSettings) -> "_MappedTable":
         if settings.mapping is None:
             log = read_log(path)
             proposal = propose_trajectory(log)
@@ -139,7 +139,7 @@ class _MappedTable:
 
 
 def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
-    table = _MappedTable.of(path, settings)
+    table = _MappedTable.from_file(path, settings)
     notes = list(table.log.notes)
     values = table.values(notes)
     rows, changes = _usable_rows(values, table)

@@ -111,4 +111,4 @@ class RayScene:
 
 def _triangles_of(box: Box, mesh: TriangleMesh) -> TriangleBody:
     """Return the triangles of an obstacle in its own axes about the middle of its bounding box."""
-    return TriangleBody.of((mesh.vertices - (0.0, 0.0, 0.5 * box.size[2]))[mesh.triangles])
+    return TriangleBody.from_corners((mesh.vertices - (0.0, 0.0, 0.5 * box.size[2]))[mesh.triangles])

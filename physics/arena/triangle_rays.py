@@ -27,7 +27,7 @@ class TriangleBody:
     """(T, 3), of unit length."""
 
     @classmethod
-    def of(cls, corners: Array) -> "TriangleBody":
+    def from_corners(cls, corners: Array) -> "TriangleBody":
         """Return the body with these triangles (T, 3, 3)."""
         edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]])
         cross = np.cross(edges[0], edges[1])

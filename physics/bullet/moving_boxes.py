@@ -28,7 +28,9 @@ class MovingBoxes:
         self._first = 0
 
     @classmethod
-    def of(cls, client: int, arena: Arena, surface_of_body: Mapping[int, int], physics_hz: int) -> "MovingBoxes | None":
+    def from_arena(
+        cls, client: int, arena: Arena, surface_of_body: Mapping[int, int], physics_hz: int
+    ) -> "MovingBoxes | None":
         """Return the moving boxes of an arena, or None if nothing moves, which then costs nothing."""
         boxes = [(body, arena.boxes[surface - 1]) for body, surface in surface_of_body.items() if surface > 0]
         paths = [(body, box.center[2], box.motion) for body, box in boxes if box.motion is not None]

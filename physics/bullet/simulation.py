@@ -90,7 +90,7 @@ class BulletSimulation:
         self._rays = RayScene(arena)
         self._client = connect(rates.physics_hz)
         self._surface_of_body = add_arena(self._client, arena)
-        self._movers = MovingBoxes.of(self._client, arena, self._surface_of_body, rates.physics_hz)
+        self._movers = MovingBoxes.from_arena(self._client, arena, self._surface_of_body, rates.physics_hz)
         self._robot, self._wheels = add_robot(self._client, robot, start, 1.0 / rates.physics_hz)
         self._yaw = start[2]
 

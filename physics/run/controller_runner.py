@@ -80,7 +80,7 @@ class InProcessRunner:
         self._kinematics = DriveKinematics(controller.robot)
 
     @classmethod
-    def of(
+    def from_robot(
         cls, robot: RobotConfig, control_hz: int, rng: np.random.Generator, chosen: ChosenController | None = None
     ) -> "InProcessRunner":
         """Return a runner with the controller of a run.

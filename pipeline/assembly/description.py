@@ -50,7 +50,7 @@ def markdown(metadata: Metadata, example: SceneSpec) -> bytes:
 def _head(metadata: Metadata) -> str:
     made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
     about = f"{plain_text(metadata.description)}\n\n" if metadata.description else ""
-    contents = Contents.of(metadata)
+    contents = Contents.from_metadata(metadata)
     return (
         f"# {plain_text(metadata.name)}\n\n{about}"
         f"{contents.kind} in {LAYOUT}.\n{contents.how_made}\n\n"
@@ -139,7 +139,7 @@ def _robot(metadata: Metadata, spec: SceneSpec) -> str:
     images = "Images are rendered" if any(run.images for run in metadata.runs) else "`symolo rerender` renders images"
     about = f"{plain_text(robot.name)}: {plain_text(robot.description)}."
     whose = f"{images} with this robot; the log may be of another one. " if spec.is_imported else ""
-    robots = SimulatedRobots.of(metadata)
+    robots = SimulatedRobots.from_metadata(metadata)
     deviations = "" if spec.is_imported or robots.is_as_set else f" {plain_text(robots.text)}"
     return (
         f"## Robot\n\n{whose}{about}{deviations} Positions are in R; values are"

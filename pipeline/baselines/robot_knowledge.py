@@ -1,7 +1,7 @@
 """The knowledge of a robot in a run, and no more: its readings, its drawing, the map, and where it starts.
 
-Only `RobotKnowledge.of` sees more: the true poses, and the hidden effects and sensor errors of the robot. It passes
-none of these on to a method.
+Only `RobotKnowledge.from_tables` sees more: the true poses, and the hidden effects and sensor errors of the robot. It
+passes none of these on to a method.
 """
 
 from collections.abc import Callable
@@ -47,7 +47,7 @@ class LineRow:
     """Standard deviation [m] of the field of view of a channel along each axis."""
 
     @classmethod
-    def of(cls, sensor: LineSensor) -> "LineRow":
+    def from_sensor(cls, sensor: LineSensor) -> "LineRow":
         diameter_m = sensor.spot_diameter_at_floor_m + sensor.spot_growth * sensor.height_m
         # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
         return cls(sensor.x_m, channel_weights(sensor.channels) * sensor.pitch_m, 0.25 * diameter_m)
@@ -66,7 +66,7 @@ class RobotDrawing:
     line: LineRow
 
     @classmethod
-    def of(cls, robot: RobotConfig) -> "RobotDrawing":
+    def from_robot(cls, robot: RobotConfig) -> "RobotDrawing":
         tof = robot.tof
         return cls(
             odometry=Odometry.from_config(robot),
@@ -74,7 +74,7 @@ class RobotDrawing:
             field_of_view_rad=radians(tof.field_of_view_deg),
             longest_range_m=tof.max_range_m,
             range_period_s=tof.period_s,
-            line=LineRow.of(robot.line_sensor),
+            line=LineRow.from_sensor(robot.line_sensor),
         )
 
 
@@ -142,7 +142,7 @@ class RobotKnowledge:
     """Standard deviation [m] of the random error of the distance that a wheel rolls, after 1 m."""
 
     @classmethod
-    def of(
+    def from_tables(
         cls,
         spec: RunSpec,
         rows: Rows,
@@ -167,7 +167,7 @@ class RobotKnowledge:
             fresh=status != TofStatus.HELD,
             on_line=rows.line < spec.robot.line_sensor.threshold,
             start=start,
-            drawing=RobotDrawing.of(spec.robot),
+            drawing=RobotDrawing.from_robot(spec.robot),
             map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
             images=images,
             further=further,

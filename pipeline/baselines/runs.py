@@ -70,7 +70,7 @@ class LoggedRun:
 
     @classmethod
     def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
-        further = FurtherReadings.of(spec.robot.sensors, partial(sensor_numbers, recording))
+        further = FurtherReadings.from_tables(spec.robot.sensors, partial(sensor_numbers, recording))
         return cls(name, spec, *tables_of(recording), images=None, further=further)
 
     @property
@@ -87,7 +87,7 @@ class LoggedRun:
     ) -> RobotKnowledge:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
         start = Start(self.truth[0] + start_sd * rng.standard_normal(3), start_sd)
-        return RobotKnowledge.of(
+        return RobotKnowledge.from_tables(
             self.spec,
             self.rows,
             wheels=self.wheels,
@@ -158,5 +158,7 @@ def _released(run: Run) -> LoggedRun:
     rows = np.flatnonzero(run.table.image)
     numbers = run.table.image[rows].tolist()
     images = RunImages(rows, lambda index: run.image(numbers[index]).pixels()) if numbers else None
-    further = FurtherReadings.of(spec.robot.sensors, lambda table: run.sensors[table.name].numbers, StereoLog.of(run))
+    further = FurtherReadings.from_tables(
+        spec.robot.sensors, lambda table: run.sensors[table.name].numbers, StereoLog.from_run(run)
+    )
     return LoggedRun(run.name, spec, run.table, wheels, tof, images, further)

@@ -85,7 +85,9 @@ def _dry_run(batch: "Batch", out: Path, report: "Report", *, replace: bool, as_j
         typer.echo(line)
     check_losses(workspace, tree, specs, report, replace=replace, dry_run=True)
     if as_json:
-        typer.echo(ReleaseResult.of(str(out), runs, losses, is_whole=not missing_from_release(workspace)).to_json())
+        typer.echo(
+            ReleaseResult.from_status(str(out), runs, losses, is_whole=not missing_from_release(workspace)).to_json()
+        )
 
 
 def _do_stages(

@@ -99,7 +99,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
         frames.append(CameraFrame(poses[i].number, poses[i].t_s, image, simulated_image, heldout))
     path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
     arena = Arena.from_config(spec.arena)
-    response = Appearance.of(spec).job(arena, poses, path).response
+    response = Appearance.from_spec(spec).job(arena, poses, path).response
     return CameraCase(
         run_name(real.folder),
         tuple(frames),

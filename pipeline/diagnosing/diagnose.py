@@ -239,7 +239,7 @@ def diagnose_into(
         diagnosis = with_law(diagnosis)
     contents = files(diagnosis, pybullet=settings.pybullet, release=release, unseen=unseen, progress=progress)
     old_law = list(_law_file(folder))
-    made_from = MadeFrom.of(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
+    made_from = MadeFrom.from_case(path, settings).model_dump_json(indent=2, exclude_defaults=True) + "\n"
     contents = {**contents, MADE_FROM: made_from.encode()}
     make_folder(folder / PLOTS)
     for old in (folder / TRACEBACK, *old_law, *(folder / PLOTS).iterdir()):

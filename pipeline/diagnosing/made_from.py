@@ -24,7 +24,7 @@ class MadeFrom(BaseModel):
     nominal: str = ""
 
     @classmethod
-    def of(cls, case: Path, settings: DiagnosisSettings) -> "MadeFrom":
+    def from_case(cls, case: Path, settings: DiagnosisSettings) -> "MadeFrom":
         """Return the record of a diagnosis of a case, and of those that are fitted together with it."""
         return cls(
             cases=tuple(_whole(path) for path in (case, *settings.together)),

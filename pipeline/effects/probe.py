@@ -210,6 +210,6 @@ def _before_targets(robot: RobotConfig) -> tuple[Array, Array]:
         time_s=HOUR_S / 24.0 * row,
         normal_rad=0.5 * np.pi * (row % 4),
     )
-    effects = RangeEffects.of(robot.effects.without("tof_range_offset"))
+    effects = RangeEffects.from_effects(robot.effects.without("tof_range_offset"))
     reading_m, sd_m = effects.seen(distance_m, 0.002 + 0.001 * (row % 3), view)
     return effects.limited(reading_m), sd_m

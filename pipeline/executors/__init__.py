@@ -25,7 +25,7 @@ def chosen(
     Raises:
         InputError: The part is not of the form k/n.
     """
-    local = Local.of(workers, memory_gb)
+    local = Local.from_options(workers, memory_gb)
     if address is not None:
         return OnRay(address, local.limits, card_share=card_share or CARD_SHARE)
     return local if part is None else PartOfWork.of_text(part, local)

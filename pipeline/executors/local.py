@@ -23,7 +23,7 @@ class Local(Executor):
     """Environment variables that show a worker one graphics card only, by card; workers take them in turn."""
 
     @classmethod
-    def of(cls, workers: int | None, memory_gb: float | None) -> "Local":
+    def from_options(cls, workers: int | None, memory_gb: float | None) -> "Local":
         """Return the executor for these options; by default it uses all cores and nine tenths of the memory."""
         return cls(workers or cores(), limits_of(memory_gb))
 

@@ -157,7 +157,7 @@ class DriveEnvironment(gymnasium.Env[Readings, NDArray[np.float32]]):
         loop = self._loop
         assert loop is not None  # noqa: S101 - the callers have made it
         if self._track is None:
-            self._track = DrivingTrack.of(self._spec, loop.arena)
+            self._track = DrivingTrack.from_spec(self._spec, loop.arena)
         pose, before = loop.world.pose(), self._pose
         self._pose = pose
         progress_m, off_track_m = self._track.progress_m(before, pose, self._within_m)

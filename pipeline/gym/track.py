@@ -28,8 +28,8 @@ class DrivingTrack:
     legs: tuple[Leg, ...]
 
     @classmethod
-    def of(cls, spec: RunSpec, arena: Arena) -> "DrivingTrack":
-        return cls(PreviewPath.of(spec, arena).legs)
+    def from_spec(cls, spec: RunSpec, arena: Arena) -> "DrivingTrack":
+        return cls(PreviewPath.from_spec(spec, arena).legs)
 
     def nearest(self, x_m: float, y_m: float) -> TrackPlace:
         """Return the nearest point of the track to a point of the floor."""

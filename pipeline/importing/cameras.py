@@ -95,4 +95,4 @@ def left_out_images(cameras: Sequence[LoggedCamera], rows: Rows, start_s: float)
 def _intrinsics(document: RunDocument, camera: LoggedCamera) -> bytes:
     """Return intrinsics.json with the camera matrix and the distortion of the log."""
     K = tuple(tuple(row) for row in camera.K.tolist())
-    return CameraDocument.of(document).model_copy(update={"K": K, "D": camera.D}).to_json()
+    return CameraDocument.from_imaging(document).model_copy(update={"K": K, "D": camera.D}).to_json()

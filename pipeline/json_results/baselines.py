@@ -43,7 +43,7 @@ class ErrorsPart(JsonPart):
     """Share of the seconds of the run in which there is an estimate."""
 
     @classmethod
-    def of(cls, run: str, method: str, errors: Errors) -> "ErrorsPart":
+    def from_errors(cls, run: str, method: str, errors: Errors) -> "ErrorsPart":
         return cls(run=run, method=method, **asdict(errors))
 
 
@@ -64,9 +64,9 @@ class BaselinesResult(JsonResult):
     """Why errors may be smaller here than elsewhere, and what is suspicious about own estimates."""
 
     @classmethod
-    def of(cls, folder: str, compared: "BaselineComparison") -> "BaselinesResult":
+    def from_comparison(cls, folder: str, compared: "BaselineComparison") -> "BaselinesResult":
         errors = [
-            ErrorsPart.of(run.name, method.name, compared.results[run.name, method.name].errors)
+            ErrorsPart.from_errors(run.name, method.name, compared.results[run.name, method.name].errors)
             for run in compared.runs
             for method in compared.methods
         ]

@@ -33,7 +33,7 @@ class ComparedFile(JsonPart):
     """Largest difference and its place; of a JSON file, up to five with their keys; empty for an identical file."""
 
     @classmethod
-    def of(cls, result: FileResult) -> "ComparedFile":
+    def from_result(cls, result: FileResult) -> "ComparedFile":
         level_db = result.likeness.level_db
         return cls(
             name=result.name,
@@ -79,9 +79,9 @@ class CompareResult(JsonResult):
     """Settings of the scenarios of two releases that differ."""
 
     @classmethod
-    def of(cls, comparison: Comparison, *, every: bool) -> "CompareResult":
+    def from_comparison(cls, comparison: Comparison, *, every: bool) -> "CompareResult":
         results = comparison.results
-        conclusion = Conclusion.of(results)
+        conclusion = Conclusion.from_results(results)
         same = sum(result.verdict is Verdict.IDENTICAL for result in results)
         shown = [result for result in results if every or result.verdict is not Verdict.IDENTICAL]
         return cls(
@@ -93,7 +93,7 @@ class CompareResult(JsonResult):
             text=conclusion.text,
             files=len(results),
             identical=same,
-            differences=[ComparedFile.of(result) for result in shown],
+            differences=[ComparedFile.from_result(result) for result in shown],
             made_differently=list(comparison.made_differently),
             settings=[SettingPair(setting=one.field, a=one.a, b=one.b) for one in comparison.settings],
         )

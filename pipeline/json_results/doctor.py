@@ -15,7 +15,7 @@ class CheckPart(JsonPart):
     """What to do if it is missing; empty if nothing is to be done."""
 
     @classmethod
-    def of(cls, check: MachineCheck) -> "CheckPart":
+    def from_check(cls, check: MachineCheck) -> "CheckPart":
         return cls(name=check.name, ok=check.ok, result=check.result, cure="" if check.ok else check.cure)
 
 

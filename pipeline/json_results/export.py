@@ -15,7 +15,7 @@ class ExportedFormatPart(JsonPart):
     """Size of its files."""
 
     @classmethod
-    def of(cls, planned: PlannedFormat, size_bytes: int) -> "ExportedFormatPart":
+    def from_plan(cls, planned: PlannedFormat, size_bytes: int) -> "ExportedFormatPart":
         return cls(format=planned.exporter.name, files=len(planned.files), bytes=size_bytes)
 
 
@@ -36,7 +36,7 @@ class ExportResult(JsonResult):
     """What the formats leave out or change, and what is wrong with splits by image."""
 
     @classmethod
-    def of(
+    def from_plans(
         cls,
         folder: str,
         planned: Sequence[PlannedFormat],
@@ -54,5 +54,5 @@ class ExportResult(JsonResult):
             written: Size of the written files of each format [bytes]; empty if nothing was written.
         """
         sizes = written or {one.exporter.name: one.size_bytes() for one in planned}
-        formats = [ExportedFormatPart.of(one, sizes[one.exporter.name]) for one in planned]
+        formats = [ExportedFormatPart.from_plan(one, sizes[one.exporter.name]) for one in planned]
         return cls(folder=folder, written=bool(written), formats=formats, runs=list(runs), warnings=list(warnings))

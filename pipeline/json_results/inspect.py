@@ -23,7 +23,7 @@ class TrialPart(JsonPart):
     """Longest time between two rows."""
 
     @classmethod
-    def of(cls, trial: TrialSummary) -> "TrialPart":
+    def from_summary(cls, trial: TrialSummary) -> "TrialPart":
         return cls.model_validate(trial, from_attributes=True)
 
 
@@ -69,7 +69,7 @@ class ChannelPart(JsonPart):
     """Noise that the source states, as text; - where it states none."""
 
     @classmethod
-    def of(cls, channel: ChannelSummary) -> "ChannelPart":
+    def from_summary(cls, channel: ChannelSummary) -> "ChannelPart":
         return cls(
             name=channel.name,
             unit=channel.unit,
@@ -120,7 +120,7 @@ class InspectResult(JsonResult):
     """Notes about the data."""
 
     @classmethod
-    def of(cls, summary: LogSummary) -> "InspectResult":
+    def from_summary(cls, summary: LogSummary) -> "InspectResult":
         return cls(
             name=summary.name,
             kind=summary.kind,
@@ -130,8 +130,8 @@ class InspectResult(JsonResult):
             licence=summary.licence,
             files=list(summary.files),
             has_nominal=summary.has_nominal,
-            trials=[TrialPart.of(trial) for trial in summary.trials],
-            channels=[ChannelPart.of(channel) for channel in summary.channels],
+            trials=[TrialPart.from_summary(trial) for trial in summary.trials],
+            channels=[ChannelPart.from_summary(channel) for channel in summary.channels],
             labels={name: list(words) for name, words in summary.labels.items()},
             clocks={name: list(channels) for name, channels in summary.clocks.items()},
             notes=list(summary.notes),

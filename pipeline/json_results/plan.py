@@ -28,7 +28,7 @@ class PlannedRunPart(JsonPart):
     """Estimated time of one core to render it, annotations included."""
 
     @classmethod
-    def of(cls, run: PlannedRun) -> "PlannedRunPart":
+    def from_run(cls, run: PlannedRun) -> "PlannedRunPart":
         return cls(
             run=run.run,
             duration_s=run.duration_s,
@@ -91,14 +91,14 @@ class PlanResult(JsonResult):
     """Measured cost of the images of --images; null without it."""
 
     @classmethod
-    def of(cls, scenario: str, plan: ScenarioPlan) -> "PlanResult":
+    def from_plan(cls, scenario: str, plan: ScenarioPlan) -> "PlanResult":
         time_s = round(plan.simulation_s + plan.render_s, 3)
         return cls(
             scenario=scenario,
             cores=plan.cores,
             images=plan.images,
-            runs=[PlannedRunPart.of(run) for run in plan.runs],
-            cameras=[PlannedRunPart.of(camera) for camera in plan.cameras],
+            runs=[PlannedRunPart.from_run(run) for run in plan.runs],
+            cameras=[PlannedRunPart.from_run(camera) for camera in plan.cameras],
             bytes=plan.bytes_needed,
             dataset_bytes=plan.dataset_bytes,
             time_s=time_s,

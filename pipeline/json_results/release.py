@@ -42,7 +42,7 @@ class ReleaseResult(JsonResult):
     """What the folder would lose, which needs --replace."""
 
     @classmethod
-    def of(cls, folder: str, runs: Sequence[RunStatus], losses: Losses, *, is_whole: bool) -> "ReleaseResult":
+    def from_status(cls, folder: str, runs: Sequence[RunStatus], losses: Losses, *, is_whole: bool) -> "ReleaseResult":
         """Return the result.
 
         Args:

@@ -25,7 +25,7 @@ class RunPart(JsonPart):
     """Warning that its frames were made on several classes of processor; empty if they were not."""
 
     @classmethod
-    def of(cls, run: RunStatus, warning: str) -> "RunPart":
+    def from_status(cls, run: RunStatus, warning: str) -> "RunPart":
         stages = [StagePart(stage=stage.stage, text=stage.text, again=stage.again) for stage in run.stages]
         return cls(run=run.run, done=run.done, stages=stages, warning=warning)
 
@@ -39,7 +39,7 @@ class CostPart(JsonPart):
     """Planned time of one core for one image; null without a scenario."""
 
     @classmethod
-    def of(cls, cost: ImageCost) -> "CostPart":
+    def from_cost(cls, cost: ImageCost) -> "CostPart":
         return cls(images=cost.images, core_s=cost.core_s, planned_core_s=cost.planned_core_s)
 
 
@@ -71,17 +71,17 @@ class StatusResult(JsonResult):
     """Size of each part of the folder."""
 
     @classmethod
-    def of(cls, folder: str, status: FolderStatus, exit_code: int) -> "StatusResult":
+    def from_status(cls, folder: str, status: FolderStatus, exit_code: int) -> "StatusResult":
         return cls(
             exit_code=exit_code,
             folder=folder,
             working=status.worker.is_working,
             process=status.worker.process or None,
             has_stages=status.worker.has_stages,
-            runs=[RunPart.of(run, status.mixed.get(run.run, "")) for run in status.runs],
+            runs=[RunPart.from_status(run, status.mixed.get(run.run, "")) for run in status.runs],
             next_release={reason: len(runs) for reason, runs in reasons_of(status.runs).items()},
             release_finished=not status.release.missing_lists,
             faults=status.release.faults,
-            cost=CostPart.of(status.cost) if status.cost else None,
+            cost=CostPart.from_cost(status.cost) if status.cost else None,
             disk_bytes=dict(status.disk_bytes),
         )

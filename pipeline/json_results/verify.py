@@ -14,7 +14,7 @@ class FaultPart(JsonPart):
     """Description of the fault."""
 
     @classmethod
-    def of(cls, finding: Finding) -> "FaultPart":
+    def from_finding(cls, finding: Finding) -> "FaultPart":
         return cls(file=finding.file, what=finding.what)
 
 
@@ -36,7 +36,7 @@ class ReproducedPart(JsonPart):
     """Reason why equal bytes cannot be expected on this machine; empty where they can."""
 
     @classmethod
-    def of(cls, reproduction: Reproduction, seed: int) -> "ReproducedPart":
+    def from_reproduction(cls, reproduction: Reproduction, seed: int) -> "ReproducedPart":
         unequal = [FaultPart(file=image.file, what=image.problem) for image in reproduction.unequal]
         return cls(seed=seed, images=len(reproduction.images), unequal=unequal, difference=reproduction.difference)
 
@@ -58,4 +58,4 @@ class VerifyResult(JsonResult):
 
 def faults_of(findings: Sequence[Finding]) -> list[FaultPart]:
     """Return the faults in their order."""
-    return [FaultPart.of(finding) for finding in findings]
+    return [FaultPart.from_finding(finding) for finding in findings]

@@ -68,7 +68,7 @@ def fit_look(
 def _measured_floor(read: LookPhotographs, camera: FittedCamera, geometry: ViewGeometry) -> MeasuredFloor:
     angles = geometry.pitch_down_deg, geometry.field_of_view_deg
     try:
-        measures = FloorMeasures.of(read.measured, camera.look, *angles)
+        measures = FloorMeasures.from_photographs(read.measured, camera.look, *angles)
     except ValueError as error:
         cure = "photograph more of the floor beside the line, or choose a material such as --floor concrete"
         raise InputError(str(error), where="PHOTO...", cure=cure) from error

@@ -58,7 +58,9 @@ def read_photographs(files: Sequence[tuple[Path, bytes]], width_px: int | None) 
     folder = os.path.commonpath([path.parent for path in paths])
     measured = []
     for path, place in zip(paths, places, strict=True):
-        measures = None if place is None else PhotographMeasures.of(one_line(os.path.relpath(path, folder)), place)
+        measures = (
+            None if place is None else PhotographMeasures.from_place(one_line(os.path.relpath(path, folder)), place)
+        )
         if measures is None:
             problem = NO_LINE if place is None else "it shows too little floor beside the line"
             notes.append(f"{one_line(str(path))}: not used, because {problem}")

@@ -85,7 +85,7 @@ def measured_images(views: Sequence[PreviewImage], workers: int, report: Report)
     measured = [
         measures
         for number, place in zip(numbers, places, strict=True)
-        if place is not None and (measures := PhotographMeasures.of(f"rendered {number}", place))
+        if place is not None and (measures := PhotographMeasures.from_place(f"rendered {number}", place))
     ]
     if not measured:
         raise RunFailed("no rendered image shows the line clearly; choose another --base or --floor-reflectance")
@@ -94,8 +94,8 @@ def measured_images(views: Sequence[PreviewImage], workers: int, report: Report)
 
 def _corrected(look: FittedLook, rendered: Sequence[PhotographMeasures]) -> FittedLook:
     """Return the look with each setting corrected by what its measure lacks."""
-    target = CameraTarget.of(look.photographs)
-    camera = corrected(replace(look.camera, measures=CameraTarget.of(rendered)), target)
+    target = CameraTarget.from_photographs(look.photographs)
+    camera = corrected(replace(look.camera, measures=CameraTarget.from_photographs(rendered)), target)
     contrast = camera.look.contrast
     lost = [vignetting(each, contrast) for each in (look.photographs, rendered)]
     vignette = float(np.clip(camera.look.vignetting + lost[0] - lost[1], 0, 1))
@@ -148,7 +148,7 @@ def _spread_in(images: Sequence[PhotographMeasures], look: FittedLook, floor: Me
     """Return the spread of the texture of the floor as images show it, through the lens."""
     camera = look.camera.look
     lens = camera.model_copy(update={"vignetting": vignetting(images, camera.contrast), "lens_blur_px": 0.0})
-    return FloorMeasures.of(images, lens, *floor.angles).texture.spread
+    return FloorMeasures.from_photographs(images, lens, *floor.angles).texture.spread
 
 
 def _bounded(factor: float) -> float:

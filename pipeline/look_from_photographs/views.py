@@ -70,7 +70,7 @@ def look_views(
         spec = draw_run(loaded, route, k + 1)
         place = places[k % len(places)]
         robot, frame, reach_m = _camera(spec.robot, place, geometry, seed, k)
-        shown = replace(Appearance.of(spec), arena=_straight_line(geometry.line_width_m, reach_m), robot=robot)
+        shown = replace(Appearance.from_spec(spec), arena=_straight_line(geometry.line_width_m, reach_m), robot=robot)
         yield PreviewImage(k + 1, f"view {k + 1}", (), frame, shown, loaded.assets)
 
 

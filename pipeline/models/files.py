@@ -40,5 +40,5 @@ def formats_of(names: Sequence[str], where: str) -> tuple[str, ...]:
 
 def model_files(spec: RunSpec, formats: tuple[str, ...]) -> dict[str, bytes]:
     """Return the content of each file of a run's robot and arena by its name; equal specifications give equal bytes."""
-    parts = RobotParts.of(spec)
+    parts = RobotParts.from_spec(spec)
     return {name: data for form in formats for name, data in FORMATS[form](spec, parts).items()}

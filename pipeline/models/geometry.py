@@ -20,7 +20,7 @@ class Placement:
     rpy: Vector = (0.0, 0.0, 0.0)
 
     @classmethod
-    def of(cls, X: Array) -> "Placement":
+    def from_pose(cls, X: Array) -> "Placement":
         """Return the placement of a (4, 4) pose."""
         x, y, z = (X[:3, 3] + 0.0).tolist()
         return cls((x, y, z), roll_pitch_yaw(X[:3, :3]))

@@ -52,7 +52,7 @@ class Lens:
     sees_robot: bool
 
     @classmethod
-    def of(cls, spec: SceneSpec, rate_hz: float) -> "Lens":
+    def from_spec(cls, spec: SceneSpec, rate_hz: float) -> "Lens":
         """Return the camera of data.csv of a specification."""
         camera = spec.robot.camera
         lens = intrinsics(camera, spec.render.width_px, spec.render.height_px)
@@ -76,15 +76,15 @@ class RobotParts:
     control_hz: int
 
     @classmethod
-    def of(cls, spec: RunSpec) -> "RobotParts":
+    def from_spec(cls, spec: RunSpec) -> "RobotParts":
         links = robot_links(spec.robot)
         return cls(
             spec.robot,
             links,
             _visuals(spec, links),
             frames(spec.robot),
-            Lens.of(spec, spec.rates.camera_hz or IMAGE_HZ),
-            {one.name: Lens.of(one.spec, 1 / one.period_s) for one in cameras_of(spec)[1:]},
+            Lens.from_spec(spec, spec.rates.camera_hz or IMAGE_HZ),
+            {one.name: Lens.from_spec(one.spec, 1 / one.period_s) for one in cameras_of(spec)[1:]},
             spec.rates.control_hz,
         )
 
@@ -96,8 +96,8 @@ def frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     line = robot.line_sensor
     return (
-        NamedFrame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
-        NamedFrame(CAMERA_OPTICAL, Placement.of(X_RC)),
+        NamedFrame(CAMERA, Placement.from_pose(X_RC @ np.array(X_CB))),
+        NamedFrame(CAMERA_OPTICAL, Placement.from_pose(X_RC)),
         *tof_frames(robot),
         NamedFrame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
         *_further_frames(robot),
@@ -109,9 +109,9 @@ def _further_frames(robot: RobotConfig) -> Iterator[NamedFrame]:
     for name, settings in robot.sensors:
         if isinstance(settings, MountedSettings):
             X_RS = settings.X_RS()
-            yield NamedFrame(sensor_frame(name), Placement.of(X_RS))
+            yield NamedFrame(sensor_frame(name), Placement.from_pose(X_RS))
             if settings.kind == KIND:
-                yield NamedFrame(optical_frame(name), Placement.of(X_RS @ np.linalg.inv(X_CB)))
+                yield NamedFrame(optical_frame(name), Placement.from_pose(X_RS @ np.linalg.inv(X_CB)))
 
 
 def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:

@@ -124,7 +124,7 @@ class ScenarioPlan:
     """Warnings about suspicious starts, lines and walls, each with the runs that it concerns."""
 
     @classmethod
-    def of(
+    def from_specs(
         cls,
         specs: Sequence[RunSpec],
         cores: int,

@@ -148,7 +148,7 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
     routes = loaded.routes
     drawn = (draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
     specs = tuple(map(without_further_cameras, drawn))
-    check_scratch(ScenarioPlan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
+    check_scratch(ScenarioPlan.from_specs(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
     device = device_for(specs[0].render.device)
     with scratch_folder() as scratch:
         drive_s = _drive_s(specs[0], scratch, report) / hz

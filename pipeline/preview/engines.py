@@ -65,7 +65,7 @@ def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Re
                 job = view.job()
                 image = FlatRenderer(job, user_files).image(job.frames[0])
             except ValueError as error:
-                failures.append(FailedRun.of(view.name, "preview", str(error)))
+                failures.append(FailedRun.from_error(view.name, "preview", str(error)))
             else:
                 images[view.number] = np.ascontiguousarray(image[..., ::-1])
                 stage.update(view.name, 1.0)

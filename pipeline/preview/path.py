@@ -44,7 +44,7 @@ class PreviewPath:
     robot: RobotConfig
 
     @classmethod
-    def of(cls, spec: RunSpec, arena: Arena) -> "PreviewPath":
+    def from_spec(cls, spec: RunSpec, arena: Arena) -> "PreviewPath":
         start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
         pieces: list[Straight | Arc] = list(arena.line.pieces)
         if not _is_closed(arena.line):

@@ -101,7 +101,7 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int, camera
         allowed = f"one of {', '.join(further)}" if further else "nothing: the robot has no further camera"
         raise InputError("--camera", got=camera, allowed=allowed, nearest=nearest(camera, further))
     shown_spec = cameras[camera].spec if camera else spec
-    look = Appearance.of(shown_spec)
+    look = Appearance.from_spec(shown_spec)
     height_px = max(1, round(width_px * look.render.height_px / look.render.width_px))
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
     of_camera = f", camera {camera}" if camera else ""
@@ -114,7 +114,7 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int, camera
 def _frame(spec: RunSpec, number: int, index: int) -> FramePose:
     share = (stream(spec.seed, "preview", "way").random() + index * _GOLDEN) % 1.0
     t_s = stream(spec.seed, spec.route, spec.run, "preview", "t_s").uniform(0.0, spec.stop.time_limit_s)
-    x_m, y_m, yaw_rad = PreviewPath.of(spec, Arena.from_config(spec.arena)).place(share, t_s)
+    x_m, y_m, yaw_rad = PreviewPath.from_spec(spec, Arena.from_config(spec.arena)).place(share, t_s)
     return FramePose(number, t_s, x_m, y_m, yaw_rad)
 
 

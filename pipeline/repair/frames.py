@@ -90,8 +90,8 @@ def _ordered(
     write_job(frame_job)
     work = [_Work(run, camera.inner(IMAGES), only_frames(frame_job.task, images), images)] if images else []
     if annotations:
-        appearance = Appearance.of(spec, device, camera.name)
-        frame_job = AnnotationTask.of(frame_job.task, appearance, scratch.annotate(run, camera.name))
+        appearance = Appearance.from_spec(spec, device, camera.name)
+        frame_job = AnnotationTask.from_images(frame_job.task, appearance, scratch.annotate(run, camera.name))
         write_job(frame_job)
         task = frame_job.task if DOCUMENT in annotations else only_frames(frame_job.task, annotations)
         work.append(_Work(run, camera.inner(ANNOTATIONS), task, annotations))

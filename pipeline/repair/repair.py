@@ -89,9 +89,9 @@ def _repair(
     *,
     remove_extra: bool,
 ) -> Repaired:
-    inventory = Inventory.of(workspace.out)
+    inventory = Inventory.from_folder(workspace.out)
     if not inventory.trusted and _flip_manifest_back(workspace.out, on_repaired):
-        inventory = Inventory.of(workspace.out)
+        inventory = Inventory.from_folder(workspace.out)
     faults = list(inventory.findings())
     aside = workspace.out / STAGES / ASIDE
     if not faults:
@@ -101,7 +101,7 @@ def _repair(
         why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
         return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
-    state = RepairState.of(workspace, inventory, on_repaired)
+    state = RepairState.from_inventory(workspace, inventory, on_repaired)
     moved = existing_copies.put_back(state, aside)
     existing_copies.take_from_stages(state)
     descriptions.flip_back(state, (METADATA,))
@@ -158,7 +158,7 @@ def _write_lists(state: RepairState) -> None:
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
     """Return the result after another check of every file."""
     left = []
-    by_checksum = list(Inventory.of(state.out).findings())
+    by_checksum = list(Inventory.from_folder(state.out).findings())
     if not by_checksum:
         left = list(_faults_of_content(state.out))
     for fault in by_checksum:

@@ -55,7 +55,9 @@ class RepairState:
     """Reason by path why the last attempt failed."""
 
     @classmethod
-    def of(cls, workspace: Workspace, inventory: Inventory, on_repaired: Callable[[str], None]) -> "RepairState":
+    def from_inventory(
+        cls, workspace: Workspace, inventory: Inventory, on_repaired: Callable[[str], None]
+    ) -> "RepairState":
         expected = inventory.expected
         state = cls(workspace, inventory, on_repaired)
         for name in sorted(inventory.damaged - {*LISTS}):

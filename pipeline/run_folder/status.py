@@ -328,7 +328,7 @@ def _release(workspace: Workspace, *, check: bool) -> ReleaseStatus:
     missing = missing_lists(workspace)
     if missing or not check:
         return ReleaseStatus(missing)
-    return ReleaseStatus(missing, sum(1 for _ in Inventory.of(workspace.out).findings()))
+    return ReleaseStatus(missing, sum(1 for _ in Inventory.from_folder(workspace.out).findings()))
 
 
 def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> ImageCost | None:
@@ -340,7 +340,7 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
             images += len({file.file for file in files}) if name == IMAGES else 0
     if not images:
         return None
-    planned = ScenarioPlan.of(specs, 1) if specs else None
+    planned = ScenarioPlan.from_specs(specs, 1) if specs else None
     return ImageCost(images, core_s, planned.render_s / planned.images if planned else None)
 
 

@@ -51,7 +51,7 @@ def unreleased(folders: Sequence[Path]) -> Iterator[Dataset]:
             if outcome.problems:
                 failures[run_name(folder)] = one_line("; ".join(outcome.problems))
             warnings = (*outcome.problems, *outcome.warnings)
-            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings))
+            records.append(RunRecord.from_specification(spec, rows, outcome.lap_time_s, warnings))
             specs.append(spec)
         description = "Runs whose images are being rendered" if is_external(folders[0]) else "Simulated runs"
         sensors = _sensors(specs[0])

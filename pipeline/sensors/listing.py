@@ -39,7 +39,7 @@ def sensor_text(kind: type[Sensor]) -> Iterator[str]:
     yield f"  defined in:  {f'{file.path} (SHA-256 {file.sha256})' if file else shipped}"
     yield f"  on a robot:  {'those that list it in robot.sensors' if kind.is_listed() else 'every one'}"
     yield from _column_lines(kind)
-    settings = [f"    {line}" for line in _setting_lines(Shape.of(kind.Settings, DescribedJsonSchema))]
+    settings = [f"    {line}" for line in _setting_lines(Shape.from_model(kind.Settings, DescribedJsonSchema))]
     yield "  settings, whose names end in their units:" if settings else "  settings:    none"
     yield from settings
     if kind.is_listed():

@@ -25,7 +25,7 @@ class AnnotationTask(FrameTask):
     STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
-    def of(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> FrameJob:
+    def from_images(cls, images: FrameTask, appearance: Appearance, folder: StageFolder) -> FrameJob:
         """Return the task with its job for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
         rendered = RenderJob.from_json(read_job(job_path(images.folder.path)).decode())

@@ -48,7 +48,7 @@ class _Checked:
     size_bytes: int
 
     @classmethod
-    def of(cls, data: bytes) -> "_Checked":
+    def from_bytes(cls, data: bytes) -> "_Checked":
         return cls(hashlib.sha256(data).hexdigest(), len(data))
 
 
@@ -176,7 +176,7 @@ def _top_files(
     splits = _splits(tree, specs, records)
     metadata = describe(tree, specs, records, failures, sensors, columns_of_data=runs[-1].columns, splits=splits)
     top = {METADATA: metadata.to_json(), DESCRIPTION: markdown(metadata, runs[0].spec)}
-    files = {**files, **{name: _Checked.of(data) for name, data in top.items()}}
+    files = {**files, **{name: _Checked.from_bytes(data) for name, data in top.items()}}
     sizes = {name: file.size_bytes for name, file in files.items()}
     info = bag_info(metadata.name, metadata.description, sizes, frozenset[str]().union(*(run.cpus for run in runs)))
     hashes = {name: file.sha256 for name, file in files.items()} | {BAG_INFO: hashlib.sha256(info).hexdigest()}
@@ -207,7 +207,7 @@ def _planned_tags(
 def _planned_files(workspace: Workspace, spec: SceneSpec) -> Iterator[tuple[str, _Checked]]:
     """Yield the files of a run by their paths in its folder, from its stages."""
     for name, data in stage_tables(spec, workspace.simulate(spec.key).path):
-        yield name, _Checked.of(data)
+        yield name, _Checked.from_bytes(data)
     for camera in cameras_with_images(workspace, spec):
         folders = [(workspace.render(spec.key, camera.name), released_images)]
         if camera.spec.render.annotations:

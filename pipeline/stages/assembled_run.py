@@ -38,14 +38,16 @@ def assembled_run(workspace: Workspace, spec: SceneSpec) -> AssembledRun:
     drivers = {"board": outcome.board, "controller": outcome.controller}
     if not rows.image.any():
         logged = {name: _logged_record(stage, name, one) for name, one in logged_cameras(spec).items()}
-        record = RunRecord.of(spec, rows, outcome.lap_time_s, outcome.warnings, cameras=logged, **drivers)
+        record = RunRecord.from_specification(
+            spec, rows, outcome.lap_time_s, outcome.warnings, cameras=logged, **drivers
+        )
         return AssembledRun(spec, record, frozenset({outcome.cpu} - {""}), rows.columns)
     cameras = {camera.name: camera for camera in cameras_of(spec)}
     rendered = {name: Rendered.read(workspace.render(spec.key, name).path) for name in cameras}
     annotated = {name: bool(camera.spec.render.annotations) for name, camera in cameras.items()}
     cpus = processors(workspace, spec.key, annotated)
     warnings = (*outcome.warnings, *_image_warnings(rendered))
-    record = RunRecord.of(
+    record = RunRecord.from_specification(
         spec,
         rows,
         outcome.lap_time_s,

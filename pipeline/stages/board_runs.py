@@ -51,7 +51,7 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
         try:
             _drive(workspace, spec, port, report)
         except RunFailed as error:
-            failures.append(FailedRun.of(spec.key, "simulate", str(error)))
+            failures.append(FailedRun.from_error(spec.key, "simulate", str(error)))
     lost = {failure.run for failure in failures}
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in lost])
 

@@ -67,7 +67,7 @@ class Appearance:
     """Seed of path tracing and camera noise; None for that of the run. A further camera has one of its own."""
 
     @classmethod
-    def of(cls, spec: SceneSpec, device: DeviceKind = "CPU", camera: str = "") -> "Appearance":
+    def from_spec(cls, spec: SceneSpec, device: DeviceKind = "CPU", camera: str = "") -> "Appearance":
         """Return the appearance of a run; for a further camera, `spec` has it in the place of that of data.csv."""
         seed = image_seed(spec.seed, *spec.drawn_as)
         noise_seed = image_seed(spec.seed, *spec.drawn_as, camera) if camera else None
@@ -195,7 +195,7 @@ class RenderTask(FrameTask):
     ) -> FrameJob:
         """Return the task with its job for the images of any camera of a run; the rows are those of data.csv."""
         frames = frame_poses(camera.rows(rows))
-        appearance = Appearance.of(camera.spec, device, camera.name)
+        appearance = Appearance.from_spec(camera.spec, device, camera.name)
         job = appearance.job(Arena.from_config(appearance.arena), frames, path_of(rows))
         inside = things_around(camera, rows)
         return cls.frame_job(camera.spec.key, folder, job, frames, user_files, camera=camera.name, inside=inside)
@@ -208,7 +208,7 @@ class RenderTask(FrameTask):
         return super().whole_files() if is_decided(self.sampling, self.files, self.job_sha256) else {}
 
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
-        extremes = {name: Extremes.of(read_file(self.files / name, FileKind.IMAGE)) for name in self.names()}
+        extremes = {name: Extremes.from_jpeg(read_file(self.files / name, FileKind.IMAGE)) for name in self.names()}
         inside = {frame_name(number): thing for number, thing in self.inside.items()}
         if problem := all_black(extremes, inside):
             return ImageFindings(problem=problem)

@@ -85,7 +85,7 @@ def annotation_jobs(
     """Yield the tasks, with their jobs, for the annotations; none where the specifications ask for none."""
     failed = {failure.run for failure in failures}
     appearances = {
-        (run, camera.name): Appearance.of(camera.spec, device, camera.name)
+        (run, camera.name): Appearance.from_spec(camera.spec, device, camera.name)
         for run, cameras in _cameras(specs).items()
         for camera in cameras
         if camera.spec.render.annotations
@@ -93,7 +93,7 @@ def annotation_jobs(
     for task in images:
         appearance = appearances.get((task.run, task.camera))
         if appearance is not None and task.run not in failed:
-            yield AnnotationTask.of(task, appearance, workspace.annotate(task.run, task.camera))
+            yield AnnotationTask.from_images(task, appearance, workspace.annotate(task.run, task.camera))
 
 
 def noted(frame_jobs: Iterable[FrameJob], tasks: dict[str, FrameTask]) -> Iterator[FrameJob]:

@@ -63,7 +63,7 @@ def simulate(
         if runner is not None:
             return _Recorder(spec, loop, runner, watch).drive(progress)
         rng = stream(spec.seed, spec.route, spec.run, "controller")
-        with closing(InProcessRunner.of(spec.robot, spec.rates.control_hz, rng, spec.controller)) as built_in:
+        with closing(InProcessRunner.from_robot(spec.robot, spec.rates.control_hz, rng, spec.controller)) as built_in:
             return _Recorder(spec, loop, built_in, watch).drive(progress)
 
 

@@ -197,7 +197,7 @@ def failed_runs(
     failed = []
     for failure in failures:
         name = failure.unit.name
-        run = FailedRun.of((runs or {}).get(name, name), stage, failure.text)
+        run = FailedRun.from_error((runs or {}).get(name, name), stage, failure.text)
         if failure.text != run.problem:  # the command itself prints `run.problem` at its end
             report.say(f"{stage}: {name}: {failure.text}")
         failed.append(run)

@@ -59,7 +59,7 @@ class Batch:
         executor.check()
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
-        plan = ScenarioPlan.of(specs, cores(), loaded.like, replaced_draws=loaded.replaced_draws)
+        plan = ScenarioPlan.from_specs(specs, cores(), loaded.like, replaced_draws=loaded.replaced_draws)
         check_disk(out, plan.bytes_needed)
         renders = renders and any(map(cameras_of, specs))
         device = device_for(specs[0].render.device) if renders else "CPU"

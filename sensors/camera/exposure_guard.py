@@ -29,7 +29,7 @@ class Extremes:
     burnt: float
 
     @classmethod
-    def of(cls, jpeg: bytes) -> "Extremes":
+    def from_jpeg(cls, jpeg: bytes) -> "Extremes":
         """Return the shares of an encoded image.
 
         Raises:

@@ -29,7 +29,7 @@ class LineOptics:
     """Light relative to that at the specified height."""
 
     @classmethod
-    def of(cls, config: LineSensor, effects: RobotEffects) -> "LineOptics":
+    def from_config(cls, config: LineSensor, effects: RobotEffects) -> "LineOptics":
         place_m = applied(effects.functions(Slot.LINE_PLACE), channel_weights(config.channels) * config.pitch_m)
         return cls.at_places(place_m, config.spot_diameter_at_floor_m, config.spot_growth * config.height_m, effects)
 
@@ -120,7 +120,7 @@ class LineSensorModel(Sensor):
         effects: RobotEffects = NO_EFFECTS,
     ) -> None:
         self.sampling = Sampling.from_seconds(config.period_s, config.delay_s, physics_hz)
-        optics = LineOptics.of(config, effects)
+        optics = LineOptics.from_config(config, effects)
         places_R = np.column_stack([np.full_like(optics.place_m, config.x_m), optics.place_m])
         self._channels = ReflectanceChannels(places_R, optics, config, arena, rng, effects)
 

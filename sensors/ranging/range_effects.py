@@ -28,7 +28,7 @@ class RangeEffects:
     limit: Functions
 
     @classmethod
-    def of(cls, effects: RobotEffects) -> "RangeEffects":
+    def from_effects(cls, effects: RobotEffects) -> "RangeEffects":
         slots = (Slot.RANGE, Slot.RANGE_NOISE, Slot.RANGE_LIMIT)
         return cls(*(effects.functions(slot) for slot in slots))
 

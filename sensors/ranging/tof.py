@@ -83,7 +83,7 @@ class RangeDevices:
         (self._drift_rng,) = rng.spawn(1)
         self._count = len(mounts)
         self._drift_m, self._drift_time_s = np.zeros(self._count), -np.inf
-        self._effects = RangeEffects.of(effects)
+        self._effects = RangeEffects.from_effects(effects)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))

@@ -25,7 +25,7 @@ class Conclusion:
     text: str
 
     @classmethod
-    def of(cls, results: Sequence[FileResult]) -> "Conclusion":
+    def from_results(cls, results: Sequence[FileResult]) -> "Conclusion":
         count = Counter(result.verdict for result in results)
         total, same = len(results), count[Verdict.IDENTICAL]
         files = plural(total, "file")

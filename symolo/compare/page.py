@@ -39,7 +39,7 @@ def comparison_page(comparison: Comparison) -> bytes:
     unlike = comparison.unlike
     images = [_differing(comparison, result) for result in [one for one in unlike if is_image(one.name)][:MAX_IMAGES]]
     plotted = [_differing(comparison, result) for result in [one for one in unlike if is_table(one.name)][:MAX_TABLES]]
-    conclusion = Conclusion.of(comparison.results)
+    conclusion = Conclusion.from_results(comparison.results)
     listed = {title: _listed(comparison.results, verdict) for verdict, title in _TITLES.items()}
     page = render_page(
         "symolo.compare",

@@ -27,7 +27,7 @@ class _Sequence:
     baseline_m: float
 
     @classmethod
-    def of(cls, run: Run, pair: StereoPair | None) -> "_Sequence":
+    def from_run(cls, run: Run, pair: StereoPair | None) -> "_Sequence":
         if pair is None:
             return cls((first_camera(run),), 0.0)
         cameras = cameras_with_images(run)
@@ -42,7 +42,7 @@ def _pairs(data: Dataset) -> list[StereoPair | None]:
 
 
 def _warnings(data: Dataset) -> Iterator[str]:
-    cameras = [_Sequence.of(run, pair).cameras[0] for run, pair in zip(data.runs, _pairs(data), strict=True)]
+    cameras = [_Sequence.from_run(run, pair).cameras[0] for run, pair in zip(data.runs, _pairs(data), strict=True)]
     if any(camera.camera.camera_model == "fisheye" or camera.camera.D.any() for camera in cameras):
         yield "the lens has distortion, and images are not undistorted: readers of KITTI do not know D0 in calib.txt"
 
@@ -54,7 +54,7 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     names = {f"{number:0{digits}d}": run for number, run in enumerate(data.runs)}
     yield ExportedFile("runs.txt", lambda: "".join(f"{name} {run.name}\n" for name, run in names.items()).encode())
     for (name, run), pair in zip(names.items(), pairs, strict=True):
-        folder, sequence = f"sequences/{name}", _Sequence.of(run, pair)
+        folder, sequence = f"sequences/{name}", _Sequence.from_run(run, pair)
         camera = sequence.cameras[0]
         yield ExportedFile(f"poses/{name}.txt", lambda camera=camera: _lines(_relative(camera.X_WC)))
         times = f"{folder}/times.txt"

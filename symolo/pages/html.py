@@ -23,7 +23,7 @@ class PageScript:
     """SHA-256 in base64, as a Content Security Policy writes it."""
 
     @classmethod
-    def of(cls, parts: Sequence[str]) -> "PageScript":
+    def from_parts(cls, parts: Sequence[str]) -> "PageScript":
         """Return the script with these parts, one after the other."""
         # A strict reader of XML takes what is in between as it is, and a browser takes the marks as comments.
         text = "//<![CDATA[\n" + "\n".join(parts) + "\n//]]>"
@@ -48,7 +48,7 @@ def render_page(package: str, *, scripts: Sequence[str] = (), **context: object)
         context: The values that the template shows. Texts are escaped.
     """
     environment = _environment(package)
-    script = PageScript.of([_source(environment, name) for name in scripts]) if scripts else None
+    script = PageScript.from_parts([_source(environment, name) for name in scripts]) if scripts else None
     return environment.get_template("page.html.j2").render(context, script=script)
 
 

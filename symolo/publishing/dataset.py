@@ -37,17 +37,17 @@ class Published:
     @cached_property
     def contents(self) -> Contents:
         """Origin of its trajectories and images, which every document states."""
-        return Contents.of(self.metadata)
+        return Contents.from_metadata(self.metadata)
 
     @cached_property
     def remaking(self) -> Remaking:
         """How it was made, and how to make it again."""
-        return Remaking.of(self.metadata)
+        return Remaking.from_metadata(self.metadata)
 
     @property
     def membership(self) -> Membership | None:
         """Split of each run or image; None if the dataset is not divided."""
-        return Membership.of(self.metadata.splits) if self.metadata.splits else None
+        return Membership.from_splits(self.metadata.splits) if self.metadata.splits else None
 
     @property
     def described_tables(self) -> tuple[tuple[PackedFile, str], ...]:

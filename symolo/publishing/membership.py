@@ -42,7 +42,7 @@ class Membership:
     """Split by key."""
 
     @classmethod
-    def of(cls, splits: SplitsRecord) -> "Membership":
+    def from_splits(cls, splits: SplitsRecord) -> "Membership":
         """Return the membership of runs, or for splits by image that of images."""
         if not splits.images:
             return cls("run_splits", "run", RUN_REGEX, "for example CW/test_1", splits.names, splits.of_runs)

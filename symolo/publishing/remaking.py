@@ -49,8 +49,8 @@ class Remaking:
         return "Workflow Run RO-Crate 0.5" if self.is_workflow else "Process Run Crate 0.5"
 
     @classmethod
-    def of(cls, metadata: Metadata) -> "Remaking":
-        contents = Contents.of(metadata)
+    def from_metadata(cls, metadata: Metadata) -> "Remaking":
+        contents = Contents.from_metadata(metadata)
         rendered = " and rendered" if contents.rendered_images else ""
         if not contents.has_origins:
             return cls(

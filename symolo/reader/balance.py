@@ -124,7 +124,7 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
     if data.splits is None:
         return None
     record = data.splits
-    diagnosis = SimulatedRobots.of(data.metadata).diagnosis if data.metadata else ""
+    diagnosis = SimulatedRobots.from_metadata(data.metadata).diagnosis if data.metadata else ""
     contents = {name: SplitContent(name) for name in record.names}
     of_runs, of_images = record.of_runs, record.of_images
     done, knows_line = 0, bool(data.runs)

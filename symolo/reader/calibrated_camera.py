@@ -29,7 +29,7 @@ class CalibratedCamera:
             array.flags.writeable = False
 
     @classmethod
-    def of(cls, document: CameraDocument) -> "CalibratedCamera":
+    def from_document(cls, document: CameraDocument) -> "CalibratedCamera":
         return cls(
             document, np.array(document.K), np.array(document.D), np.array(document.X_RC), np.array(document.X_CB)
         )

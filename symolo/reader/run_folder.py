@@ -309,7 +309,7 @@ class RunFolder:
             raise InputError(f"run {self.name} has no images, and so no camera", where=str(self.folder), cure=cure)
         path = self.folder / SIDE / INTRINSICS
         try:
-            return CalibratedCamera.of(read_camera_document(path))
+            return CalibratedCamera.from_document(read_camera_document(path))
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
         except ValueError as error:

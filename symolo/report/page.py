@@ -43,7 +43,7 @@ _SECTIONS = {
 def page(facts: ReleaseFacts, media: Media) -> str:
     """Return the whole page, which needs no file beside itself."""
     metadata = facts.metadata
-    whole = Contents.of(metadata)
+    whole = Contents.from_metadata(metadata)
     records = [run.record for run in facts.runs]
     outliers = [(group.run, group.worst, f"{group.why}; {group.extent}") for group in facts.outliers]
     return render_page(

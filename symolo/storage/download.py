@@ -50,7 +50,7 @@ class Remote:
         return len(self.digests) + len(LISTS) + len(self.seals)
 
     @classmethod
-    def of(cls, store: Store) -> "Remote":
+    def from_store(cls, store: Store) -> "Remote":
         """Return the stored release, as its lists of checksums describe it.
 
         Raises:

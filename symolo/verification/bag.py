@@ -17,7 +17,7 @@ from symolo.verification.inventory import Files
 
 def bag_findings(root: Path) -> Iterator[Finding]:
     """Yield each fault with the path of its file in the bag."""
-    files = Files.of(root)
+    files = Files.from_folder(root)
     yield from (Finding(name, what) for name, what in files.strange.items())
     if DECLARATION in files.digests and read_file(root / DECLARATION, FileKind.DOCUMENT) != DECLARED:
         yield Finding(DECLARATION, "is not the declaration of a bag of version 1.0 in UTF-8")

@@ -37,7 +37,7 @@ class Files:
     empty_folders: frozenset[str] = frozenset()
 
     @classmethod
-    def of(cls, root: Path) -> "Files":
+    def from_folder(cls, root: Path) -> "Files":
         digests: dict[str, str] = {}
         strange: dict[str, str] = {}
 
@@ -89,8 +89,8 @@ class Inventory:
     """SHA-256 by path, as the hidden stages noted them when the runs were assembled."""
 
     @classmethod
-    def of(cls, root: Path) -> "Inventory":
-        files = Files.of(root)
+    def from_folder(cls, root: Path) -> "Inventory":
+        files = Files.from_folder(root)
         content = {name: digest for name, digest in files.digests.items() if name not in {*LISTS, *SEALS}}
         lists = {name: _read(root / name) if name in files.digests else None for name in LISTS}
         if MANIFEST in _parsed(lists[MANIFEST], None)[0] and MANIFEST not in _parsed(lists[TAG_MANIFEST], None)[0]:
@@ -110,7 +110,7 @@ class Inventory:
             InputError: It is no dataset, or a damaged one; the message names the first such file.
         """
         check_dataset(root)
-        inventory = cls.of(root)
+        inventory = cls.from_folder(root)
         if fault := next(inventory.findings(), None):
             cure = f"see `symolo verify {root}` and `symolo repair {root}`"
             raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)

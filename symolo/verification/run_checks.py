@@ -297,7 +297,7 @@ def _camera_model(
         what = f"is of images of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
         yield Finding(name, what)
     elif spec is not None:
-        expected = CameraDocument.of(spec)
+        expected = CameraDocument.from_imaging(spec)
         for field in CameraDocument.model_fields:
             if is_logged and field in {"K", "D"}:
                 continue

@@ -65,7 +65,7 @@ def _is_dataset(root: Path) -> bool:
 def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) -> Iterator[Finding]:
     if key is not None:
         yield from signature_findings(root, key)
-    inventory = Inventory.of(root)
+    inventory = Inventory.from_folder(root)
     faults = list(inventory.findings())
     yield from faults
     unreadable = inventory.files.strange.keys() | (inventory.expected.keys() - inventory.files.digests.keys())

@@ -50,7 +50,7 @@ class Place:
     def end_y(self) -> int:
         return self.y + self.height
 
-    def of(self, canvas: Canvas) -> Canvas:
+    def cut_from(self, canvas: Canvas) -> Canvas:
         """Return this part of a picture."""
         return canvas.part(self.x, self.y, self.width, self.height)
 
@@ -107,13 +107,13 @@ class RunFrames:
     def at(self, t_s: float) -> Pixels:
         """Return the frame of a time, (H, W, 3), red, green, blue."""
         canvas, row = self._blank.copy(), row_at(self._run.t_s, t_s)
-        self._write_header(self._header.of(canvas), t_s)
+        self._write_header(self._header.cut_from(canvas), t_s)
         for place, camera in self._cameras:
-            camera.draw(place.of(canvas), t_s)
-        self._floor_at.of(canvas).pixels[:] = self._floor.frame(row).pixels
-        self._band.draw(self._band_at.of(canvas), row)
+            camera.draw(place.cut_from(canvas), t_s)
+        self._floor_at.cut_from(canvas).pixels[:] = self._floor.frame(row).pixels
+        self._band.draw(self._band_at.cut_from(canvas), row)
         for place, plot in self._plots:
-            plot.draw(place.of(canvas), t_s)
+            plot.draw(place.cut_from(canvas), t_s)
         return canvas.pixels
 
     def _write_header(self, canvas: Canvas, t_s: float) -> None:

@@ -49,7 +49,7 @@ def settle(part):
     def settled(robot, voltage, after_s=0.0):
         law = part("motor_law")
         voltage = np.array(voltage, dtype=float)
-        states = law.steady_states(law.Motors.of([robot], 7.4), voltage, np.full_like(voltage, after_s))
+        states = law.steady_states(law.Motors.from_worlds([robot], 7.4), voltage, np.full_like(voltage, after_s))
         return states[0][0], states[1][0]
 
     return settled
@@ -453,7 +453,7 @@ def volts(part):
     def driven(robot, voltage, begin_s=0.0, rows=20):
         wheels = part("drive_wheels")
         held = np.tile(np.array(voltage, dtype=float), (1, rows + 1, 1))
-        speeds = wheels.mean_speeds(wheels.Wheels.of([robot], 7.4), held, np.array([begin_s]))
+        speeds = wheels.mean_speeds(wheels.Wheels.from_worlds([robot], 7.4), held, np.array([begin_s]))
         return speeds[0, 0]
 
     return driven

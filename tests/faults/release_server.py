@@ -186,7 +186,7 @@ def serve() -> None:
     drawn = tuple(draw_all(loaded))
     batch.load_scenario = lambda _name, _overrides: loaded
     batch.draw_reported = lambda _loaded, _report: drawn
-    ScenarioPlan.of(drawn, 1)
+    ScenarioPlan.from_specs(drawn, 1)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
     print("ready", flush=True)  # noqa: T201 - the other end waits for it
     for line in sys.stdin:

@@ -46,7 +46,7 @@ def documents() -> list[bytes]:
 
 def documents_reader(place: Path) -> Read:
     """Make the pages and descriptions of a dataset that follow from its documents, in every format."""
-    folder = Folder.of(valid_copy("dataset", place))
+    folder = Folder.from_path(valid_copy("dataset", place))
     about = About.model_validate(ABOUT)
 
     def read(data: bytes) -> None:
@@ -99,7 +99,7 @@ def code_reader(place: Path) -> Read:
     for data in code_records():
         line, _, content = data.partition(b"\n")
         (root / line.removeprefix(b"@").decode()).write_bytes(content)
-    folder = Folder.of(root)
+    folder = Folder.from_path(root)
     simulated = place / "simulated"
     stage = simulated / STAGES / "simulate" / RUN
     shutil.copytree(root / STAGES / "simulate" / RUN, stage)

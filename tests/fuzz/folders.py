@@ -39,7 +39,7 @@ class Folder:
     files: tuple[Path, ...]
 
     @classmethod
-    def of(cls, root: Path) -> "Folder":
+    def from_path(cls, root: Path) -> "Folder":
         return cls(root, tuple(sorted(path for path in root.rglob("*") if path.is_file())))
 
     @contextmanager

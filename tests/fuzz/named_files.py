@@ -76,7 +76,7 @@ def named_reader(place: Path) -> Read:
     """Load the two scenarios with one other file, and draw all of their runs."""
     for name, text in NAMED.items():
         (place / name).write_text(text)
-    folder = Folder.of(place)
+    folder = Folder.from_path(place)
     (place / "compass.py").write_text(template("compass"))
 
     def read(data: bytes) -> None:
@@ -114,7 +114,7 @@ def mapping_reader(place: Path) -> Read:
     log, mapping_file = place / "log.csv", place / "mapping.yaml"
     for name, data in _case_files().items():
         (place / name).write_bytes(data)
-    folder = Folder.of(place)
+    folder = Folder.from_path(place)
 
     def read(data: bytes) -> None:
         with folder.replaced(data):
@@ -142,7 +142,7 @@ def photographs_reader(place: Path) -> Read:
     """Measure four photographs of a line, of which one is another file; three are enough for a look."""
     for number in range(4):
         (place / f"{number}.png").write_bytes(_photograph(number))
-    folder = Folder.of(place)
+    folder = Folder.from_path(place)
 
     def read(data: bytes) -> None:
         with folder.replaced(data):

@@ -150,7 +150,7 @@ def _dataset_with_a_long_specification() -> bytes:
 
 def _dataset_reader(place: Path) -> Read:
     """Read a dataset with one other file, whose checksums fit, by the commands that read most of it."""
-    folder = Folder.of(valid_copy("dataset", place))
+    folder = Folder.from_path(valid_copy("dataset", place))
     whole = Path(shutil.copytree(folder.root, place / "whole"))
 
     def read(data: bytes) -> None:
@@ -186,7 +186,7 @@ def _load(root: Path) -> None:
 
 def _bag_reader(place: Path) -> Read:
     """Read a bag with one other file, whose lists do not fit."""
-    folder = Folder.of(valid_copy("bag", place))
+    folder = Folder.from_path(valid_copy("bag", place))
 
     def read(data: bytes) -> None:
         with folder.replaced(data):
@@ -230,7 +230,7 @@ def _download_reader(place: Path) -> Read:
         store = MemoryStore({MANIFEST: data, TAG_MANIFEST: tag_manifest(digests)}, tuple(digests))
         try:
             with redirect_stderr(io.StringIO()):
-                download(Remote.of(store), out, LineReport())
+                download(Remote.from_store(store), out, LineReport())
         finally:
             there = {path.name for path in place.iterdir()}, {path.name for path in out.parent.iterdir()}
             for path in (out, out.with_name(".out.download")):
@@ -274,7 +274,7 @@ def _serial_reader(_place: Path) -> Read:
 
 def _logs_reader(place: Path) -> Read:
     """Read a measured case or a log with one other file, and describe it."""
-    folder = Folder.of(valid_copy("logs", place))
+    folder = Folder.from_path(valid_copy("logs", place))
 
     def read(data: bytes) -> None:
         with folder.replaced(data) as path:

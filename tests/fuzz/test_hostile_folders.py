@@ -43,7 +43,7 @@ def fetched(digests, tmp_path):
     (tmp_path / "inner").mkdir()
     begin = time.process_time()
     try:
-        download(Remote.of(store), tmp_path / "inner" / "out", LineReport())
+        download(Remote.from_store(store), tmp_path / "inner" / "out", LineReport())
     finally:
         assert time.process_time() - begin < SECONDS
         there = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")}
@@ -78,7 +78,7 @@ def test_a_hundred_thousand_entries_of_a_list_are_looked_through_at_once():
     store: Any = MemoryStore({MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}, ())
     begin = time.process_time()
     with pytest.raises(InputError, match="is missing, and 99999 more"):
-        Remote.of(store)
+        Remote.from_store(store)
     assert time.process_time() - begin < SECONDS
 
 
@@ -93,7 +93,7 @@ def test_a_folder_as_a_store_gives_neither_links_nor_pipes(tmp_path):
     for make in (lambda path: path.symlink_to(tmp_path / "secret"), os.mkfifo):
         make(shelf / "README.md")
         with pytest.raises(InputError):
-            download(Remote.of(Folder(f"file://{shelf}", shelf)), tmp_path / "out", LineReport())
+            download(Remote.from_store(Folder(f"file://{shelf}", shelf)), tmp_path / "out", LineReport())
         (shelf / "README.md").unlink()
     assert not (tmp_path / "out").exists()
 

@@ -285,7 +285,7 @@ def _wheel_stage(bench: Bench, columns: Columns, worlds: Sequence[World]) -> Arr
             alike[key] = len(different)
             different.append(bare)
         which.append(alike[key])
-    wheels = Wheels.of(different, bench.nominal["motor"]["supply_voltage_V"])
+    wheels = Wheels.from_worlds(different, bench.nominal["motor"]["supply_voltage_V"])
     costly = 2 * (wheels.source_ohm.ravel() > 0.0) + (wheels.delay_s.ravel() > 0.0)
     speeds = np.zeros((len(different), trials, rows - 1, 2))
     for group in np.unique(costly):

@@ -104,7 +104,7 @@ class _Robot:
 
     def __init__(self, nominal: Mapping, world: World, trials: int, rng: np.random.Generator) -> None:
         self.world, self.rng = world, rng
-        self.wheels = Wheels.of([world], nominal["motor"]["supply_voltage_V"])
+        self.wheels = Wheels.from_worlds([world], nominal["motor"]["supply_voltage_V"])
         self.value = {name: leaf["value"] for name, leaf in nominal["motor"].items() if isinstance(leaf, dict)}
         self.value |= {name: leaf["value"] for name, leaf in nominal["robot"].items() if isinstance(leaf, dict)}
         self.supply = nominal["motor"]["supply_voltage_V"]

@@ -28,8 +28,8 @@ class Wheels:
     delay_s: Array
 
     @classmethod
-    def of(cls, worlds: Sequence[World], supply_V: float) -> "Wheels":
-        flat = Motors.of(worlds, supply_V)
+    def from_worlds(cls, worlds: Sequence[World], supply_V: float) -> "Wheels":
+        flat = Motors.from_worlds(worlds, supply_V)
         arrays = {f.name: getattr(flat, f.name)[..., None] for f in fields(flat) if f.name != "supply_V"}
         mismatch = _deep([w.value("torque_constant_mismatch", "mismatch", 0.0) for w in worlds])
         arrays["constant"] = arrays["constant"] * (1.0 + 0.5 * mismatch * np.array([1.0, -1.0]))

@@ -41,7 +41,7 @@ class Motors:
     supply_V: float
 
     @classmethod
-    def of(cls, worlds: Sequence[World], supply_V: float) -> "Motors":
+    def from_worlds(cls, worlds: Sequence[World], supply_V: float) -> "Motors":
         def own(name: str, effect: str) -> Array:
             return column([w.own.get(name, np.nan) * w.value(effect, "scale", 1.0) for w in worlds])
 

@@ -59,7 +59,7 @@ def motor(rng: np.random.Generator) -> dict:
 
 def mean(bench: Bench, inputs: Columns, worlds: Sequence[World]) -> tuple[Array, Array]:
     """Current and speed as the instruments would say them without noise, (V, rows) each."""
-    motors = Motors.of(worlds, bench.nominal["motor"]["supply_voltage_V"])
+    motors = Motors.from_worlds(worlds, bench.nominal["motor"]["supply_voltage_V"])
     current, speed = steady_states(motors, inputs["u_cmd_V"], inputs["t_s"])
     return instruments(worlds, current, speed, inputs["t_s"])
 

@@ -74,7 +74,7 @@ def _sequence(rng: np.random.Generator, time_s: Array) -> Array:
 def mean(bench: Bench, inputs: Columns, worlds: Sequence[World]) -> tuple[Array, Array]:
     """Current and speed as the instruments would say them without noise, (V, rows) each."""
     nominal = bench.nominal["motor"]
-    motors = Motors.of(worlds, nominal["supply_voltage_V"])
+    motors = Motors.from_worlds(worlds, nominal["supply_voltage_V"])
     trials = len(np.unique(inputs["trial"]))
     command = inputs["u_cmd_V"].reshape(trials, -1)
     begin = inputs["session_time_s"].reshape(trials, -1)[:, 0] - ROW_S

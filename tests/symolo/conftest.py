@@ -55,7 +55,7 @@ def _release(root: Path, wanted: Wanted) -> Path:
     for number, spec in enumerate(draw_all(loaded)):
         rows = drive()
         _write_run(root / spec.key, spec, rows, [wanted.grey(number, image) for image in rows.image if image])
-        records.append(RunRecord.of(spec, rows, None, wanted.warnings if number == 0 else ()))
+        records.append(RunRecord.from_specification(spec, rows, None, wanted.warnings if number == 0 else ()))
     tree = loaded.tree | {"licence": wanted.licence}
     tree |= {"description": wanted.description} if wanted.description else {}
     described = describe(tree, draw_all(loaded), records, wanted.failed)

@@ -63,7 +63,7 @@ class Log:
     fixes: Array
 
     @classmethod
-    def of(cls, counts: Array, pose: Array, rng: np.random.Generator) -> "Log":
+    def from_counts(cls, counts: Array, pose: Array, rng: np.random.Generator) -> "Log":
         fixes = np.full(pose.shape, np.nan)
         rows = np.arange(0, len(pose), round(FIX_S / ROW_S))[1:]
         fixes[rows] = pose[rows] + FIX_SD * rng.standard_normal((len(rows), 3))
@@ -193,7 +193,7 @@ def _recorded(trial: Trial) -> Log:
     logged = {channel.name: channel.series.values for channel in trial.channels}
     pose = np.stack([logged[name] for name in ("x_m", "y_m", "theta_rad")], axis=1)
     counts = np.stack([logged[f"enc_{side}_ticks"] for side in ("right", "left")], axis=1)
-    return Log.of(counts, pose, stream(3, "fixes", trial.name))
+    return Log.from_counts(counts, pose, stream(3, "fixes", trial.name))
 
 
 def _driven(robot: RobotConfig, trial: Trial, number: int) -> Log:
@@ -211,7 +211,7 @@ def _driven(robot: RobotConfig, trial: Trial, number: int) -> Log:
             world.advance(round(ROW_S * rates.physics_hz))
             rows.append((*world.encoder_counts(), *world.pose()))
     logged = np.array(rows, dtype=np.float64)
-    return Log.of(logged[:, :2], logged[:, 2:], stream(3, "fixes", number))
+    return Log.from_counts(logged[:, :2], logged[:, 2:], stream(3, "fixes", number))
 
 
 def _errors(methods: Mapping[str, Variant], logs: Sequence[Log]) -> Array:

@@ -118,7 +118,11 @@ class SyntheticRun:
         errors = (
             self._error(noise + (JPEG * each) ** 0.5 * signs) for noise, each in zip(self.noise, relative, strict=True)
         )
-        return ImageErrors.until_refused(errors) if isinstance(candidate, HybridSamples) else ImageErrors.of(errors)
+        return (
+            ImageErrors.until_refused(errors)
+            if isinstance(candidate, HybridSamples)
+            else ImageErrors.from_images(errors)
+        )
 
     def _error(self, values: NDArray[np.float64]) -> ImageError:
         """Return the estimate with a standard error that is estimated too."""

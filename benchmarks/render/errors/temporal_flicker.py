@@ -212,11 +212,11 @@ def depth_m(job: RenderJob, view: FrameView) -> Array:
     scene = job.scene
     numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
     moving = [
-        Triangles.of((mesh,), numbers).placed(pose_X_WR(*pose))
+        Triangles.from_meshes((mesh,), numbers).placed(pose_X_WR(*pose))
         for mesh, pose in zip(scene.moving, view.moving, strict=True)
     ]
-    robot = Triangles.of(scene.robot_in_sight, numbers).placed(pose_X_WR(*view.robot_pose))
-    triangles = Triangles.joined([Triangles.of(scene.meshes, numbers), robot, *moving])
+    robot = Triangles.from_meshes(scene.robot_in_sight, numbers).placed(pose_X_WR(*view.robot_pose))
+    triangles = Triangles.joined([Triangles.from_meshes(scene.meshes, numbers), robot, *moving])
     return rasterise(job.camera, np.array(view.X_WC), triangles).depth_m
 
 

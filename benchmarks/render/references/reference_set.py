@@ -54,7 +54,7 @@ class ReferenceSet:
     metered: float
 
     @classmethod
-    def of(cls, judged: Judged, references: Pairs) -> Self:
+    def from_pairs(cls, judged: Judged, references: Pairs) -> Self:
         light = np.concatenate([light.reshape(-1, 3) for pair in references.values() for light in pair])
         return cls(judged, references, median_luminance(light))
 
@@ -76,13 +76,13 @@ class ReferenceSet:
 def sufficient_references(judged: Judged, lights: Sequence[Mapping[int, FloatImage]], most: int) -> ReferenceSet:
     """Return references of as many samples as the errors of `lights` need, or of the largest number."""
     samples = min(_FIRST_SAMPLES, most)
-    reference_set = ReferenceSet.of(judged, judged.references(samples, _SEEDS))
+    reference_set = ReferenceSet.from_pairs(judged, judged.references(samples, _SEEDS))
     while samples < most and any(reference_set.uncertainty(light) > _CERTAIN for light in lights):
         traced = min(samples, most - samples)
         new, share = judged.references(traced, (_SEEDS[0] + samples, _SEEDS[1] + samples)), traced / (samples + traced)
         pairs = {number: _mixed(pair, new[number], share) for number, pair in reference_set.references.items()}
         samples += traced
-        reference_set = ReferenceSet.of(judged, pairs)
+        reference_set = ReferenceSet.from_pairs(judged, pairs)
     return reference_set
 
 

@@ -62,7 +62,7 @@ class CandidateEffect:
         numbers = self.kind.parameters().items()
         return tuple(
             # A measured number is that of this motor already.
-            Coordinate.from_parameter(name, number, self.scales.of(number) if number.std is None else 1.0)
+            Coordinate.from_parameter(name, number, self.scales.factor(number) if number.std is None else 1.0)
             for name, number in numbers
             if name not in self.known
         )

@@ -29,7 +29,7 @@ class MotorScales:
     speed: float = 1.0
     """Speed without load."""
 
-    def of(self, parameter: Parameter) -> float:
+    def factor(self, parameter: Parameter) -> float:
         """Return the factor on the start of a parameter, by its unit."""
         is_ceiling = parameter.null is not None and parameter.null == parameter.high
         factors = {

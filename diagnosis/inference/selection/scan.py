@@ -91,7 +91,7 @@ def _prospects(evidence: Evidence, fit: HypothesisFit, tries: Sequence[Try], pre
         return []
     rigid = _rigid(evidence, fit)
     costs_before = fit.costs
-    lines = _Lines.of(evidence, rigid.fit, predictions.mean)
+    lines = _Lines.from_predictions(evidence, rigid.fit, predictions.mean)
     drops, sizes = lines.tops()
     best: dict[CandidateEffect, tuple[Prospect, Array]] = {}
     for k, (effect, numbers) in enumerate(tries):
@@ -169,7 +169,7 @@ def scan_pairs(evidence: Evidence, fit: HypothesisFit, effects: Sequence[Candida
     them misses both.
     """
     ((tries, predictions),) = _tries_of_all(evidence, [(fit, effects)])
-    drops, sizes, others = _Lines.of(evidence, fit, predictions.mean).tops_of_two()
+    drops, sizes, others = _Lines.from_predictions(evidence, fit, predictions.mean).tops_of_two()
     places: dict[CandidateEffect, list[int]] = {}
     for k, (effect, _) in enumerate(tries):
         places.setdefault(effect, []).append(k)
@@ -245,7 +245,7 @@ class _Lines:
     """(M,), inner products of the other parts with the weighted residuals."""
 
     @classmethod
-    def of(cls, evidence: Evidence, fit: HypothesisFit, means: Array) -> "_Lines":
+    def from_predictions(cls, evidence: Evidence, fit: HypothesisFit, means: Array) -> "_Lines":
         """Return the directions of predictions (M, N) with the changes."""
         root = fit.root_weights()
         rows = np.flatnonzero(evidence.fit)

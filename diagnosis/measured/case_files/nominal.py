@@ -271,7 +271,7 @@ def read_nominal(path: Path) -> NominalCase:
     try:
         return model.model_validate(root.plain())
     except ValidationError as error:
-        raise together(all_explained(error, root, Shape.of(model))) from None
+        raise together(all_explained(error, root, Shape.from_model(model))) from None
 
 
 def _with_sections(root: Node, folder: Path) -> Node:
@@ -284,7 +284,7 @@ def _with_sections(root: Node, folder: Path) -> Node:
     for name in SECTIONS:
         if name in keys and name in NominalLog.model_fields:
             keys[name] = resolve_section(name, keys[name], folder)[0]
-    root = with_defaults(Node(keys, root.where), Shape.of(NominalLog))
+    root = with_defaults(Node(keys, root.where), Shape.from_model(NominalLog))
     drawn = list(distributions_of(root, NominalLog)) + [
         ("arena", "generate") for arena in (root.child("arena"),) if arena is not None and arena.child("generate")
     ]

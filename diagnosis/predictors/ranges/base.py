@@ -241,7 +241,7 @@ class Ranges(ABC):
                 sensor=np.arange(len(RANGE_SIDES)),
                 normal_rad=sight.normal_rad,
             )
-            reading = RangeEffects.of(effects).expected(sight.reading_m, sight.sd_m, view, self.resolution_m)
+            reading = RangeEffects.from_effects(effects).expected(sight.reading_m, sight.sd_m, view, self.resolution_m)
             mean[group], reading_sd = reading
             sd[group] = np.sqrt(reading_sd**2 + sight.pose_variance)
         return mean, sd

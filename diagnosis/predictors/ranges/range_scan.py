@@ -34,7 +34,7 @@ class RangeScan:
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         scan, holdout = _scan(measurement)
-        half = HalfScan.of(scan)
+        half = HalfScan.from_scan(scan)
         if not half.shows_a_ball:
             what = "no near object in front of a far one"
             raise InputError(what, where=measurement.where, cure="scan over a round object with a board far behind it")

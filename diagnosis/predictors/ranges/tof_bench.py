@@ -104,7 +104,7 @@ class TofBenchStage:
                 time_s=self._since_on_s,
             )
             # The sensor on the bench is none of the three on the robot.
-            effects = RangeEffects.of(stacked_effects(several, axes=1).without("tof_range_offset"))
+            effects = RangeEffects.from_effects(stacked_effects(several, axes=1).without("tof_range_offset"))
             mean[group], sd[group] = effects.expected(
                 self._distance_m, self._bare_sd_m * tof.noise_scale, view, tof.quantisation_m
             )

@@ -28,7 +28,7 @@ class ImuLog:
     """Difference between two neighbouring readings, to which they are rounded."""
 
     @classmethod
-    def of(cls, settings: ImuSettings, table: Array) -> "ImuLog":
+    def from_table(cls, settings: ImuSettings, table: Array) -> "ImuLog":
         """Return the log in the table of an IMU, (M, columns) with the time [ms] first."""
         names = ["t", *(column.name for column in Imu.columns)]
         rates = table[:, names.index("gyro_x") :][:, :3]

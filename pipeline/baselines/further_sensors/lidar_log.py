@@ -16,6 +16,6 @@ class LidarLog:
     """Place, directions and sizes of the errors in the description of the robot; the errors are not known."""
 
     @classmethod
-    def of(cls, settings: LidarSettings, table: Array) -> "LidarLog":
+    def from_table(cls, settings: LidarSettings, table: Array) -> "LidarLog":
         """Return the log in the table of a lidar, (M, columns) with the time [ms] first."""
         return cls(table[:, 0] / 1000, table[:, 1 : 1 + settings.rays], settings)

@@ -25,7 +25,7 @@ class FurtherReadings:
     stereo: StereoLog | None = None
 
     @classmethod
-    def of(
+    def from_tables(
         cls, sensors: RobotSensors, numbers_of: Callable[[SideTable], Array], stereo: StereoLog | None = None
     ) -> "FurtherReadings":
         """Return the readings of a robot.
@@ -38,7 +38,7 @@ class FurtherReadings:
         imu, lidar = None, None
         for name, settings in sensors:
             if imu is None and isinstance(settings, ImuSettings):
-                imu = ImuLog.of(settings, numbers_of(Imu.table(name, settings)))
+                imu = ImuLog.from_table(settings, numbers_of(Imu.table(name, settings)))
             elif lidar is None and isinstance(settings, LidarSettings):
-                lidar = LidarLog.of(settings, numbers_of(Lidar.table(name, settings)))
+                lidar = LidarLog.from_table(settings, numbers_of(Lidar.table(name, settings)))
         return cls(imu, lidar, stereo)

@@ -37,7 +37,7 @@ class StereoLog:
     baseline_m: float
 
     @classmethod
-    def of(cls, run: Run) -> "StereoLog | None":
+    def from_run(cls, run: Run) -> "StereoLog | None":
         """Return the log of the first rectified pair of a run; None if there is none."""
         pair = stereo_pair(run)
         if pair is None:

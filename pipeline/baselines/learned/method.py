@@ -77,7 +77,7 @@ def _of_model(model: LocalisationModel) -> Method:
     def estimate(
         knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], rng: np.random.Generator
     ) -> Estimate:
-        readings = NetworkReadings.of(knowledge)
+        readings = NetworkReadings.from_knowledge(knowledge)
         return filtered(knowledge, model.likelihood, heat_maps(model, readings), rng)
 
     what = f"odometry; particles are weighted by a trained network on {' and '.join(model.about.inputs)}"

@@ -27,7 +27,7 @@ class NetworkReadings:
     """(M, 6), for front, left and right: 1 if there is a target; then the ranges as shares of the longest one."""
 
     @classmethod
-    def of(cls, knowledge: RobotKnowledge) -> "NetworkReadings":
+    def from_knowledge(cls, knowledge: RobotKnowledge) -> "NetworkReadings":
         """Return the readings of a robot.
 
         Raises:

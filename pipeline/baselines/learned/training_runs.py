@@ -114,7 +114,7 @@ def validation_runs(count: int, seed: int) -> frozenset[int]:
 
 
 def _samples(run: LoggedRun) -> Samples:
-    readings = NetworkReadings.of(knowledge_of(run))
+    readings = NetworkReadings.from_knowledge(knowledge_of(run))
     assert run.images is not None  # noqa: S101 - `check_trainable` has looked
     return Samples(readings, run.truth[run.images.rows])
 

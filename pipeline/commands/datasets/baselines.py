@@ -150,7 +150,7 @@ def baselines(
     if as_json:
         from pipeline.json_results.baselines import BaselinesResult
 
-        typer.echo(BaselinesResult.of(str(out), compared).to_json())
+        typer.echo(BaselinesResult.from_comparison(str(out), compared).to_json())
     else:
         typer.echo(table(compared) + f"\n{out}")
 

@@ -75,9 +75,9 @@ def compare(
     if as_json:
         from pipeline.json_results.compare import CompareResult
 
-        compared = CompareResult.of(comparison, every=every)
+        compared = CompareResult.from_comparison(comparison, every=every)
         typer.echo(compared.to_json())
         return compared.exit_code
-    conclusion = Conclusion.of(results)
+    conclusion = Conclusion.from_results(results)
     typer.echo("\n".join((*comparison.other_lines, conclusion.text)))
     return conclusion.code

@@ -38,7 +38,7 @@ def download(
     from symolo.storage.download import download as downloaded
 
     check_new(out)
-    remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))
+    remote = Remote.from_store(store_of(url, endpoint, allow_http=allow_http))
     content = f"{plural(remote.file_count, 'file')}, {remote.size_bytes / _MEGABYTE:.1f} MB"
     if dry_run:
         typer.echo(f"{remote.store.url}: {content}")

@@ -105,7 +105,7 @@ def export(
         from pipeline.json_results.export import ExportResult
 
         run_names = [run.name for run in data.runs]
-        typer.echo(ExportResult.of(str(out), planned, run_names, warnings, written).to_json())
+        typer.echo(ExportResult.from_plans(str(out), planned, run_names, warnings, written).to_json())
     elif not dry_run:
         typer.echo(
             f"{out}: {', '.join(each.exporter.name for each in planned)}, {sum(written.values()) / _MEGABYTE:.1f} MB"

@@ -46,7 +46,7 @@ def status(
     if as_json:
         from pipeline.json_results.status import StatusResult
 
-        typer.echo(StatusResult.of(str(folder), result, code).to_json())
+        typer.echo(StatusResult.from_status(str(folder), result, code).to_json())
         return code
     losses = losses_of(Workspace(folder.absolute()), loaded.tree, specs) if loaded else None
     for line in (*status_lines(result, losses, check=check), *code_file_lines(folder)):

@@ -149,6 +149,6 @@ def _print_verify_result(
         folder=str(folder),
         faults=faults_of(findings),
         signature=SignaturePart(key=signer[0], comment=signer[1]) if signer and not findings else None,
-        reproduced=ReproducedPart.of(drawn.reproduction, drawn.seed) if drawn else None,
+        reproduced=ReproducedPart.from_reproduction(drawn.reproduction, drawn.seed) if drawn else None,
     )
     typer.echo(result.to_json())

@@ -29,5 +29,5 @@ def doctor(*, as_json: Json = False) -> int:
     if as_json:
         from pipeline.json_results.doctor import CheckPart, DoctorResult
 
-        typer.echo(DoctorResult(exit_code=code, checks=[CheckPart.of(check) for check in checks]).to_json())
+        typer.echo(DoctorResult(exit_code=code, checks=[CheckPart.from_check(check) for check in checks]).to_json())
     return code

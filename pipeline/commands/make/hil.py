@@ -61,7 +61,7 @@ def hil(
     board = [f"board.kind={'simulated' if simulated else 'serial'}", f"board.framing={framing}"]
     overrides = with_device([*(settings or ()), *board, *([f"board.baud={baud}"] if baud else [])], device)
     report = report_here()
-    batch = Batch.open(scenario, overrides, out, Local.of(workers, memory), report)
+    batch = Batch.open(scenario, overrides, out, Local.from_options(workers, memory), report)
     check_losses(batch.workspace, batch.loaded.tree, batch.specs, report, replace=replace)
     check_board(batch.workspace, batch.specs, port or "")
     with batch.workspace.locked():

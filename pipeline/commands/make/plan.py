@@ -63,10 +63,10 @@ def plan(
         return
     loaded = load_scenario(scenario, overrides)
     specs = draw_reported(loaded, report_here())
-    planned = ScenarioPlan.of(specs, cores(), loaded.like, workers, loaded.replaced_draws)
+    planned = ScenarioPlan.from_specs(specs, cores(), loaded.like, workers, loaded.replaced_draws)
     if as_json:
         from pipeline.json_results.plan import PlanResult
 
-        typer.echo(PlanResult.of(scenario, planned).to_json())
+        typer.echo(PlanResult.from_plan(scenario, planned).to_json())
     else:
         typer.echo(planned.text())

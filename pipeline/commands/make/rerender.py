@@ -181,7 +181,7 @@ def rerender(
     if dry_run:
         _print_plan(rerendering, where)
         return 0
-    executor = Local.of(workers, memory).on(rerendering.device)
+    executor = Local.from_options(workers, memory).on(rerendering.device)
     failures = make_release(rerendering, where, executor, report, replace=replace)
     return conclude(failures, len(rerendering.runs), "rerender", where)
 

@@ -65,7 +65,7 @@ def inspect(
     if as_json:
         from pipeline.json_results.inspect import InspectResult
 
-        typer.echo(InspectResult.of(summarise(measurement)).to_json())
+        typer.echo(InspectResult.from_summary(summarise(measurement)).to_json())
         return
     for line in overview(measurement):
         typer.echo(line)

@@ -38,7 +38,7 @@ class Fisheye:
     k: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     @classmethod
-    def of(cls, settings: FisheyeSettings) -> "Fisheye":
+    def from_settings(cls, settings: FisheyeSettings) -> "Fisheye":
         half_field_rad = float(np.radians(0.5 * settings.field_of_view_deg))
         return cls(half_field_rad, (settings.k1, settings.k2, settings.k3, settings.k4))
 

@@ -132,7 +132,7 @@ def lens_problem(camera: CameraOptics, width_px: int, height_px: int) -> str:
     For a lens that does not fold, the pinhole image is little more than twice as wide and high as the image.
     """
     if camera.fisheye is not None:
-        return Fisheye.of(camera.fisheye).problem()
+        return Fisheye.from_settings(camera.fisheye).problem()
     if coefficients(camera) == NO_DISTORTION:
         return ""
     half = 0.5 * camera.sensor_width_mm / camera.focal_length_mm * np.array([1.0, height_px / width_px])

@@ -57,7 +57,7 @@ def intrinsics(camera: MountedCamera, width_px: int, height_px: int) -> Intrinsi
     focal_px = width_px * camera.focal_length_mm / camera.sensor_width_mm
     fisheye, distortion = None, coefficients(camera)
     if camera.fisheye is not None:
-        fisheye, distortion = Fisheye.of(camera.fisheye), NO_DISTORTION
+        fisheye, distortion = Fisheye.from_settings(camera.fisheye), NO_DISTORTION
         focal_px = 0.5 * width_px / float(fisheye.radius(np.array(fisheye.half_field_rad)))
     cx_px = 0.5 * (width_px - 1) + camera.principal_point_right_mm * pixels_per_mm
     cy_px = 0.5 * (height_px - 1) + camera.principal_point_down_mm * pixels_per_mm

@@ -66,7 +66,7 @@ class CameraDocument(BaseModel):
         )
 
     @classmethod
-    def of(cls, imaging: object) -> "CameraDocument":
+    def from_imaging(cls, imaging: object) -> "CameraDocument":
         """Return the model of a camera; `imaging` has the sections of an `ImagingDocument`."""
         spec = ImagingDocument.model_validate(imaging)
         camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
@@ -109,7 +109,7 @@ def camera_files(imaging: object, rows: Rows) -> Iterator[tuple[str, bytes]]:
         rows: The rows of data.csv, with the poses of the robot.
     """
     yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(imaging, rows))
-    yield f"{SIDE}/{INTRINSICS}", CameraDocument.of(imaging).to_json()
+    yield f"{SIDE}/{INTRINSICS}", CameraDocument.from_imaging(imaging).to_json()
 
 
 def camera_table(imaging: object, rows: Rows) -> np.ndarray:

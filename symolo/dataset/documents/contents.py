@@ -26,7 +26,7 @@ class Contents:
     """Whether trajectories come from a log or from another release, so that no scenario simulates them again."""
 
     @classmethod
-    def of(cls, metadata: Metadata) -> "Contents":
+    def from_metadata(cls, metadata: Metadata) -> "Contents":
         runs = metadata.runs
         logged = sum(_logged_images(run) for run in runs)
         images = sum(run.images + sum(camera.images for camera in run.cameras.values()) for run in runs)

@@ -122,7 +122,7 @@ class RunRecord(Record):
         return self.model_copy(update=camera.model_dump(exclude={"period_s"}))
 
     @classmethod
-    def of(
+    def from_specification(
         cls,
         specification: object,
         rows: Rows,
@@ -198,7 +198,7 @@ class FailedRun(Record):
     """One line without paths, so that the dataset has the same bytes on every machine."""
 
     @classmethod
-    def of(cls, run: str, stage: str, text: str) -> "FailedRun":
+    def from_error(cls, run: str, stage: str, text: str) -> "FailedRun":
         """Return the record of an error, whose text may end with a log and name folders of this machine."""
         first = text.partition(LOG_TAIL)[0].strip().partition("\n")[0]
         return cls(run=run, stage=stage, problem=_FOLDERS.sub("", first))
@@ -214,7 +214,7 @@ class ColumnRecord(Record):
     """Number of columns. More than one are numbered from 0: `range` stands for `range_0`, `range_1`..."""
 
     @classmethod
-    def of(cls, column: Column) -> "ColumnRecord":
+    def from_column(cls, column: Column) -> "ColumnRecord":
         """Return the record of a column of a sensor's table."""
         return cls(**asdict(column))
 
@@ -367,7 +367,7 @@ def describe(
             ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in table.columns
         ]
     for sensor in sensors:
-        columns[f"side/{sensor.table.file}"] = [ColumnRecord.of(column) for column in sensor.table.columns]
+        columns[f"side/{sensor.table.file}"] = [ColumnRecord.from_column(column) for column in sensor.table.columns]
     return Metadata(
         name=first.scenario,
         description=str(tree.get("description", "")),

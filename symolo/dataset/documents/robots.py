@@ -31,7 +31,7 @@ class SimulatedRobots:
     """Whether numbers of the robot were drawn from distributions of the scenario."""
 
     @classmethod
-    def of(cls, metadata: Metadata) -> "SimulatedRobots":
+    def from_metadata(cls, metadata: Metadata) -> "SimulatedRobots":
         robot = _mapping(metadata.scenario.get("robot"))
         like = _mapping(metadata.scenario.get("like"))
         drawn = {run.drawn[HYPOTHESIS] for run in metadata.runs if HYPOTHESIS in run.drawn}

@@ -163,7 +163,7 @@ class _Episode:
     @cached_property
     def levels(self) -> dict[str, Levels]:
         """Levels of all frames by the name of the feature."""
-        return {name: Levels.of(image.pixels() for image in images) for name, images in self.images.items()}
+        return {name: Levels.from_images(image.pixels() for image in images) for name, images in self.images.items()}
 
 
 @dataclass(frozen=True)

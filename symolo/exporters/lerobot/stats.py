@@ -30,7 +30,7 @@ class Levels:
     """(3, 256), number of pixels; red, green, blue."""
 
     @classmethod
-    def of(cls, images: Iterable[Pixels]) -> "Levels":
+    def from_images(cls, images: Iterable[Pixels]) -> "Levels":
         counts = [[np.bincount(image[..., i].ravel(), minlength=_LEVELS) for i in range(3)] for image in images]
         return cls(len(counts), np.sum(counts, axis=0))
 

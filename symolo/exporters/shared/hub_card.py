@@ -13,6 +13,6 @@ def hub_card(data: Dataset, front_matter: Sequence[str], text: Sequence[str] = (
     name, description = (metadata.name, metadata.description) if metadata else (data.root.name, "")
     lines = ["---", *licence, *front_matter, "---", f"# {name}"]
     lines += ["", description] if description else []
-    lines += ["", Contents.of(metadata).summary] if metadata else []
+    lines += ["", Contents.from_metadata(metadata).summary] if metadata else []
     lines += ["", *text] if text else []
     return ("\n".join(lines) + "\n").encode()

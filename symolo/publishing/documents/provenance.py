@@ -38,7 +38,7 @@ def provenance(root: Path, metadata: Metadata) -> bytes:
                 "externalParameters": {"scenario": metadata.scenario},
                 "internalParameters": {
                     "cpuClasses": list(read_cpu_classes(root)),
-                    "renderDevices": list(Contents.of(metadata).render_devices),
+                    "renderDevices": list(Contents.from_metadata(metadata).render_devices),
                 },
                 "resolvedDependencies": [*_packages(programs), *_files(metadata.scenario)],
             },

@@ -19,7 +19,7 @@ MAX_ENTRIES = 200
 
 def responsible_ai(metadata: Metadata) -> dict[str, Any]:
     """Return the fields of a dataset, whose names begin with `rai:`."""
-    contents = Contents.of(metadata)
+    contents = Contents.from_metadata(metadata)
     fields: dict[str, Any] = {
         "rai:dataCollection": _collection(metadata, contents),
         "rai:dataCollectionType": [
@@ -139,7 +139,7 @@ def _limitations(metadata: Metadata, contents: Contents) -> Iterator[str]:
         yield from _limits_of_records(contents)
     else:
         yield "Robot, sensors and light are models; the manual of symolo says how each compares with measurements."
-        robots = SimulatedRobots.of(metadata)
+        robots = SimulatedRobots.from_metadata(metadata)
         yield robots.text
         yield from robots.ranges
     for run in metadata.runs:

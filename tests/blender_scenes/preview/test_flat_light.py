@@ -50,7 +50,7 @@ def test_the_sun_lights_by_the_cosine_where_it_reaches():
 
 def test_all_around_is_the_light_of_an_integrating_sphere():
     """In a closed box of a square metre a side, each lumen ends as rho / (1 - rho) / 6 lux of what is passed on."""
-    box = Triangles.of([block("box", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), "paint")], {"paint": 0})
+    box = Triangles.from_meshes([block("box", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), "paint")], {"paint": 0})
     colors = np.tile([0.5, 0.75, 0.0], (12, 1))
     flux = np.pi * 0.06 * np.array(LAMP.radiance)
     expected = flux * np.array([1.0, 3.0, 0.0]) / 6.0
@@ -72,7 +72,7 @@ def test_a_block_throws_a_shadow_as_long_as_its_height_over_the_tangent(elevatio
     sun = Sun((*(np.cos(elevation) * level).tolist(), float(np.sin(elevation))), (1.0, 1.0, 1.0), 0.01)
     pillar = block("pillar", (0.0, 0.0, 0.25), (0.1, 0.1, 0.5), "paint")
     ground = floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "paint")
-    shadow = SunShadow.of(sun, Triangles.of([pillar, ground], {"paint": 0}))
+    shadow = SunShadow.from_scene(sun, Triangles.from_meshes([pillar, ground], {"paint": 0}))
     away = np.linspace(0.08, 1.9, 400)
     points = np.column_stack([-away[:, None] * level, np.zeros(len(away))])
     end = 0.5 / np.tan(elevation)

@@ -30,7 +30,7 @@ def eye_at(robot, pose, pitch_down_deg=30.0):
 
 def of(*meshes: Mesh) -> Triangles:
     names = [name for mesh in meshes for name in mesh.face_surface]
-    return Triangles.of(meshes, {name: number for number, name in enumerate(dict.fromkeys(names))})
+    return Triangles.from_meshes(meshes, {name: number for number, name in enumerate(dict.fromkeys(names))})
 
 
 def pixels_of(camera: Intrinsics) -> np.ndarray:
@@ -192,7 +192,7 @@ def test_cycles_sees_the_same_surfaces(arena, robot, light_of):
     bright = light > 0.25 * np.maximum(light.max(axis=-1, keepdims=True), 1e-6)
     in_cycles = bright @ np.array([4, 2, 1])
     camera = Intrinsics(pixels, pixels, focal_px, focal_px, 0.5 * (pixels - 1), 0.5 * (pixels - 1))
-    triangles = Triangles.of(scene.meshes, {surface.name: i for i, surface in enumerate(scene.surfaces)})
+    triangles = Triangles.from_meshes(scene.meshes, {surface.name: i for i, surface in enumerate(scene.surfaces)})
     codes = np.array([*(_code(surface.name) for surface in scene.surfaces), BLACK])
     compared = set()
     for X_WC, theirs in zip(eyes, in_cycles, strict=True):

@@ -69,7 +69,7 @@ def _decided_in_noise(images: int, error_of_two: float, standard_error: float, h
 
     def measure(candidate: HybridSamples | TracedSamples, samples: int) -> ImageErrors:
         error = hybrid if isinstance(candidate, HybridSamples) else error_of_two * 2 / candidate.samples
-        return ImageErrors.of(4 * [ImageError(error or 0.0, standard_error * 8 / samples, 8.0)])
+        return ImageErrors.from_images(4 * [ImageError(error or 0.0, standard_error * 8 / samples, 8.0)])
 
     return decide("job", None if hybrid is None else HYBRID, images, measure)
 
@@ -153,7 +153,7 @@ def test_of_candidates_with_an_error_at_the_limit_at_most_one_of_twenty_is_taken
             of_noise = variance / len(noise)
             standard_errors = ((of_noise**2 / 6 + errors * of_noise) / values) ** 0.5
             rows = zip(squares.mean(axis=-1) / 12, standard_errors, strict=True)
-            return ImageErrors.of(ImageError(float(error), float(sd), 8.0) for error, sd in rows)
+            return ImageErrors.from_images(ImageError(float(error), float(sd), 8.0) for error, sd in rows)
 
         return decide("job", HYBRID, 9999, measure).hybrid is not None
 
@@ -185,7 +185,7 @@ def test_the_most_exact_rendering_is_taken_where_none_is_good_enough():
     ],
 )
 def test_an_error_is_small_if_other_images_are_not_expected_to_exceed_that_of_jpeg(rendering, small):
-    assert (ImageErrors.of(ImageError(each, 0.0, 8.0) for each in rendering).excess <= 1) == small
+    assert (ImageErrors.from_images(ImageError(each, 0.0, 8.0) for each in rendering).excess <= 1) == small
 
 
 def test_no_further_image_is_measured_after_one_that_is_worse_than_its_jpeg():
@@ -195,13 +195,13 @@ def test_no_further_image_is_measured_after_one_that_is_worse_than_its_jpeg():
     assert errors == ImageErrors((2.0, 9.0), (8.0, 8.0), (0.1, 0.2))
     assert errors.excess > 1
     assert next(measured) == unseen
-    assert ImageErrors.until_refused([good, unseen]) == ImageErrors.of([good, unseen])
+    assert ImageErrors.until_refused([good, unseen]) == ImageErrors.from_images([good, unseen])
 
 
 @pytest.mark.parametrize(("standard_error", "small"), [(3.0, True), (3.1, False), (8.0, False)])
 def test_an_error_whose_noise_may_hide_a_larger_one_than_that_of_jpeg_is_not_small(standard_error, small):
     """The upper limits of 3 with 95 % confidence are 3 + 1.645 * 3 = 7.9, below JPEG, and 3 + 1.645 * 3.1 = 8.1."""
-    errors = ImageErrors.of([ImageError(3.0, standard_error, 8.0)] + 3 * [ImageError(3.0, 0.0, 8.0)])
+    errors = ImageErrors.from_images([ImageError(3.0, standard_error, 8.0)] + 3 * [ImageError(3.0, 0.0, 8.0)])
     assert (errors.excess <= 1) == small
 
 
@@ -211,7 +211,9 @@ def test_about_one_image_of_twenty_exceeds_the_limit(count, spread_dB, most):
     """More do where images differ much more than most runs do, as few images do not show it."""
     relative_dB = np.random.Generator(np.random.PCG64(3)).normal(-4.0, spread_dB, (700, count + 1))
     errors = 8.0 * 10 ** (relative_dB / 10)
-    limits_dB = np.array([ImageErrors.of(ImageError(each, 0.0, 8.0) for each in row[:-1]).limit_dB for row in errors])
+    limits_dB = np.array(
+        [ImageErrors.from_images(ImageError(each, 0.0, 8.0) for each in row[:-1]).limit_dB for row in errors]
+    )
     assert np.mean(relative_dB[:, -1] > limits_dB) < most
 
 

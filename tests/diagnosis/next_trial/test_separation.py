@@ -43,7 +43,7 @@ def test_lines_of_equal_slope_are_distinguished_at_the_origin():
     statistics = UnitStatistics(models, UNIT, len(UNIT))
     truth = statistics.pairs.index((0, 1))
     units = best_units(statistics, CHOICE, UNIT, lambda sums: statistics.separations(sums)[..., truth])
-    separation = statistics.separations(statistics.of_units.of(units).total())[truth]
+    separation = statistics.separations(statistics.of_units.for_units(units).total())[truth]
     assert separation == pytest.approx(np.sqrt(SLOTS))
     # 1 + (1 - b) x has the sum n - (sum x)^2 / sum x^2 at the best b, so that the sum of x must be zero.
     assert X[units].sum() == pytest.approx(0.0)

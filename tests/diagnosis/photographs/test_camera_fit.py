@@ -14,7 +14,7 @@ PLAIN = CameraLook(contrast=1.0, saturation=1.0)
 
 
 def measured(*images):
-    return [PhotographMeasures.of("known", place) for place in find_lines(images)]
+    return [PhotographMeasures.from_place("known", place) for place in find_lines(images)]
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_blur_and_vignetting_are_those_of_the_lens(fitted):
 
 def test_the_images_have_the_noise_of_the_photographs(noisy, fitted):
     """Of floor and line, both after compression; the sensor of the camera has more noise than its images."""
-    target = CameraTarget.of(noisy)
+    target = CameraTarget.from_photographs(noisy)
     assert fitted.measures.floor_noise == pytest.approx(target.floor_noise, rel=0.1)
     assert fitted.measures.line_noise == pytest.approx(target.line_noise, rel=0.1)
     assert np.sqrt(fitted.look.shot_noise**2 * FLOOR + fitted.look.read_noise**2) > 0.012 * np.sqrt(FLOOR)
@@ -55,14 +55,16 @@ def test_the_images_have_the_noise_of_the_photographs(noisy, fitted):
 
 def test_the_noise_is_right_with_a_camera_that_reduces_noise_and_has_a_colour_filter(noisy):
     camera = PLAIN.model_copy(update={"noise_reduction": 0.025, "colour_filter": "bayer", "colour_blur_px": 1.5})
-    assert fit_camera(noisy, camera).measures.floor_noise == pytest.approx(CameraTarget.of(noisy).floor_noise, rel=0.1)
+    assert fit_camera(noisy, camera).measures.floor_noise == pytest.approx(
+        CameraTarget.from_photographs(noisy).floor_noise, rel=0.1
+    )
 
 
 def test_photographs_without_colours_are_of_a_monochrome_camera_with_their_noise(noisy, grey, fitted):
     target = measured(*grey)
     monochrome = fit_camera(target, PLAIN)
     assert monochrome.look.colour_filter == "monochrome"
-    assert monochrome.measures.floor_noise == pytest.approx(CameraTarget.of(target).floor_noise, rel=0.1)
+    assert monochrome.measures.floor_noise == pytest.approx(CameraTarget.from_photographs(target).floor_noise, rel=0.1)
     assert fitted.look.colour_filter == fit_camera(noisy, monochrome.look).look.colour_filter == "none"
 
 

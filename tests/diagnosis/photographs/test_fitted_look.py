@@ -15,9 +15,9 @@ from tests.known_photographs import photograph
 def test_exposures_vary_as_in_the_photographs_whatever_the_rendered_images_made_of_the_brightness():
     """Floors of 0.35, 0.42 and 0.5 in one light are exposures of log2(0.35 / 0.42) to log2(0.5 / 0.42) stops."""
     images = [photograph(k, floor=floor, line=floor / 7) for k, floor in enumerate((0.35, 0.42, 0.5))]
-    measured = tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
+    measured = tuple(PhotographMeasures.from_place("known", place) for place in find_lines(images))
     corrected = CameraLook(contrast=1.0, brightness=0.2, vignetting=0.1)
-    camera = FittedCamera(corrected, np.full(3, 0.42), np.full(3, 0.06), CameraTarget.of(measured))
+    camera = FittedCamera(corrected, np.full(3, 0.42), np.full(3, 0.06), CameraTarget.from_photographs(measured))
     look = FittedLook("known", "lab", measured, camera, "concrete", 0.45, reflectance_is_assumed=True)
     stops = next(setting.value for setting in look.settings if setting.path == ("camera", "compensation_ev"))
     assert stops["uniform"] == pytest.approx([np.log2(0.35 / 0.42), np.log2(0.5 / 0.42)], abs=0.03)
@@ -45,8 +45,10 @@ def test_a_paint_has_the_colour_of_its_light_after_the_saturation_of_the_camera(
 )
 def test_photographs_of_different_lines_or_light_are_doubted(lights, losses, doubt):
     images = [photograph(k, line=line, loss=loss) for k, (line, loss) in enumerate(zip(lights, losses, strict=True))]
-    measured = tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
-    camera = FittedCamera(CameraLook(contrast=1.0), np.full(3, 0.42), np.full(3, 0.06), CameraTarget.of(measured))
+    measured = tuple(PhotographMeasures.from_place("known", place) for place in find_lines(images))
+    camera = FittedCamera(
+        CameraLook(contrast=1.0), np.full(3, 0.42), np.full(3, 0.06), CameraTarget.from_photographs(measured)
+    )
     look = FittedLook("known", "lab", measured, camera, "concrete", 0.45, reflectance_is_assumed=True)
     assert len(look.doubts) == bool(doubt)
     assert doubt in "".join(look.doubts)

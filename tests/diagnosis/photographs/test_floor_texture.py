@@ -27,7 +27,7 @@ def test_a_texture_has_the_spread_that_it_had_before_the_lens_blurred_it():
     mask = np.ones((120, 160), bool)
     mask[:, 60:100] = False  # the line
     floors = [FloorLight(np.where(mask, spots(k, BLUR_PX), 9.9), mask) for k in range(6)]
-    texture = FloorTexture.of(floors, BLUR_PX)
+    texture = FloorTexture.from_floors(floors, BLUR_PX)
     assert texture.spread == pytest.approx(SPREAD, rel=0.15)
     coarse = [s**2 for scale, s in zip(texture.scales_px, texture.spreads, strict=True) if 4 <= scale <= 16]
     assert sum(coarse) > 0.85 * texture.spread**2
@@ -56,7 +56,7 @@ def test_a_slanted_view_of_stripes_becomes_even_on_the_floor():
 
 
 def measured(images):
-    return tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
+    return tuple(PhotographMeasures.from_place("known", place) for place in find_lines(images))
 
 
 def with_sheets(number, ratio):
@@ -72,14 +72,14 @@ def with_sheets(number, ratio):
 
 @pytest.mark.parametrize("ratio", [1.2, 0.8])
 def test_sheets_along_the_line_have_their_width_and_their_light(ratio):
-    seen = FloorMeasures.of(measured([with_sheets(k, ratio) for k in range(2)]), CAMERA, 90, 60)
+    seen = FloorMeasures.from_photographs(measured([with_sheets(k, ratio) for k in range(2)]), CAMERA, 90, 60)
     assert seen.sheets is not None
     assert seen.sheets.width == pytest.approx(75 / 29, abs=0.1)  # the mask of the line has 29 px
     assert seen.sheets.ratio == pytest.approx(ratio, rel=0.04)
 
 
 def test_an_even_floor_has_no_sheets_and_no_texture():
-    seen = FloorMeasures.of(
+    seen = FloorMeasures.from_photographs(
         measured([photograph(k, shot=0.01, read=0.004) for k in range(2)]),
         CAMERA.model_copy(update={"vignetting": 0.3}),
         90,

@@ -12,7 +12,7 @@ ROWS = (31.5, 59.5, 87.5)
 
 
 def figures_of(drawn, x_px):
-    return ImageFigures.of(drawn, x_px, ROWS)
+    return ImageFigures.from_image(drawn, x_px, ROWS)
 
 
 def image(blur_px, noise=0.0, slant=0.0):
@@ -58,7 +58,7 @@ def test_contrast_and_range_are_those_drawn():
 
 def test_a_light_line_has_the_edge_and_the_contrast_of_its_negative():
     """Negative levels are 215 and 95."""
-    image_figures = ImageFigures.of(255 - image(1.5), upright(), ROWS, is_dark=False)
+    image_figures = ImageFigures.from_image(255 - image(1.5), upright(), ROWS, is_dark=False)
     assert image_figures.edge_px == pytest.approx(figures_of(image(1.5), upright()).edge_px)
     assert image_figures.contrast == pytest.approx((215 - 95) / (215 + 95), abs=0.01)
     assert image_figures.line_spread < 0.5

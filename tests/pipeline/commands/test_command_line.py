@@ -359,7 +359,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     """The corner's ray, r of r (1 - 0.3 r^2 + 0.1 r^4) = 0.882, goes the furthest; of assumptions only those made."""
     lens = ("robot.camera.distortion.k1=-0.3", "robot.camera.distortion.k2=0.1")
     plain, behind, annotated = (
-        ScenarioPlan.of([draw_run(load_scenario("symolo", ("render.method=full", *settings)), "CW", 1)], 1)
+        ScenarioPlan.from_specs([draw_run(load_scenario("symolo", ("render.method=full", *settings)), "CW", 1)], 1)
         for settings in ((), lens, ("render.annotations=[depth]",))
     )
     (own,), (wider,) = plain.runs, behind.runs
@@ -380,7 +380,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
 def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
 
     def planned(*settings):
-        return ScenarioPlan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+        return ScenarioPlan.from_specs([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
 
     plain, fewer = planned("render.method=full"), planned("render.samples=1", "render.denoise=false")
     traced_s, shared_s = 201 * 640 * 480 * RENDER_SAMPLE_S, RENDER_START_S + 201 * RENDER_FRAME_S

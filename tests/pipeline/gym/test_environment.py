@@ -124,7 +124,7 @@ def test_voltages_are_actions_within_the_limit_of_the_driver():
 def test_the_track_leads_once_around_the_arena_in_the_direction_of_the_start():
     for route, turn in (("CW", -1), ("CCW", 1)):
         spec = draw_run(load_scenario("smoke"), route, 1)
-        track = DrivingTrack.of(spec, Arena.from_config(spec.arena))
+        track = DrivingTrack.from_spec(spec, Arena.from_config(spec.arena))
         place = track.nearest(0.55, 0.0)
         assert place.distance_m == pytest.approx(0.0, abs=1e-9)
         assert place.along == pytest.approx((0.0, turn), abs=1e-6)

@@ -24,7 +24,7 @@ BLUR_PX, LOSS = 1.2, 0.3
 
 
 def measured(*images):
-    return tuple(PhotographMeasures.of("known", place) for place in find_lines(images))
+    return tuple(PhotographMeasures.from_place("known", place) for place in find_lines(images))
 
 
 @pytest.fixture(scope="module")

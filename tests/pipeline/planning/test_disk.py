@@ -12,7 +12,7 @@ from pipeline.planning.plan import ScenarioPlan
 @pytest.mark.parametrize("annotations", ["[]", "[depth]"])
 def test_the_stages_have_a_copy_of_the_dataset_and_a_job_for_each_rendering(annotations):
     """A row takes 600 bytes, an image 4096 and 0.2 for each pixel, its annotations 0.6 more, and a job 0.5 MB."""
-    plan = ScenarioPlan.of(draw_all(load_scenario("smoke", [f"render.annotations={annotations}"])), 1)
+    plan = ScenarioPlan.from_specs(draw_all(load_scenario("smoke", [f"render.annotations={annotations}"])), 1)
     per_pixel, jobs = (0.8, 2) if annotations != "[]" else (0.2, 1)
     images, rows = plan.images, sum(run.rows for run in plan.runs)
     assert plan.dataset_bytes == pytest.approx(600 * rows + images * (4096 + 160 * 120 * per_pixel), rel=1e-6)
@@ -28,10 +28,10 @@ def test_a_plan_states_the_size_of_the_dataset_and_that_of_the_stages(symolo):
 def test_fewer_workers_simulate_fewer_runs_at_a_time_and_share_all_cores_when_they_render():
     """Two runs of 6 s on 8 cores: at a time two, or one; 3 workers have 2 of 8 threads each, and 2 cores rest."""
     specs = draw_all(load_scenario("smoke"))
-    all_cores, two, three, one = (ScenarioPlan.of(specs, 8, workers=workers) for workers in (None, 2, 3, 1))
+    all_cores, two, three, one = (ScenarioPlan.from_specs(specs, 8, workers=workers) for workers in (None, 2, 3, 1))
     assert two.simulation_s == all_cores.simulation_s == pytest.approx(0.5 * one.simulation_s)
     assert one.render_s == two.render_s == all_cores.render_s == pytest.approx(6 / 8 * three.render_s)
-    assert ScenarioPlan.of(specs, 8, workers=64).render_s == all_cores.render_s
+    assert ScenarioPlan.from_specs(specs, 8, workers=64).render_s == all_cores.render_s
     assert "Assumed: 1 worker on 8 cores without" in one.text()
     assert "Assumed: 8 cores without" in all_cores.text()
 

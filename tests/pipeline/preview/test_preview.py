@@ -23,7 +23,7 @@ SHARES = np.linspace(0.0, 1.0, 60)
 def way_of(scenario: str, route: str) -> tuple[PreviewPath, Arena]:
     spec = draw_run(load_scenario(scenario), route, 1)
     arena = Arena.from_config(spec.arena)
-    return PreviewPath.of(spec, arena), arena
+    return PreviewPath.from_spec(spec, arena), arena
 
 
 def distance_m(point, start, end) -> float:
@@ -89,7 +89,7 @@ def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():
     bare = spec.arena.model_copy(update={"walls": (), "line": spec.arena.line.model_copy(update={"pieces": ()})})
     spec = spec.model_copy(update={"arena": bare})
     start = (spec.start.x_m, spec.start.y_m, np.radians(spec.start.yaw_deg))
-    assert PreviewPath.of(spec, Arena.from_config(bare)).place(0.5, 0.0) == pytest.approx(start)
+    assert PreviewPath.from_spec(spec, Arena.from_config(bare)).place(0.5, 0.0) == pytest.approx(start)
 
 
 def test_images_are_of_runs_as_a_release_draws_them_whatever_their_number():

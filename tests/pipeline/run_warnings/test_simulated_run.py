@@ -187,7 +187,7 @@ def test_a_plan_has_the_place_of_a_start_on_the_line(start, text):
     """The line leads along y at x = 0.55 m."""
     spec = spec_of(**start)
     assert start_to_line(spec) == text
-    row = next(line for line in ScenarioPlan.of([spec], 1).text().splitlines() if line.startswith("CW/test_1"))
+    row = next(line for line in ScenarioPlan.from_specs([spec], 1).text().splitlines() if line.startswith("CW/test_1"))
     assert row.endswith(f"160 x 120    {text}")
 
 

@@ -100,7 +100,7 @@ class LostBoard:
 
 def test_a_board_that_is_gone_ends_the_run_and_what_was_driven_is_kept():
     spec = spec_of("CW")
-    outcome = simulate(spec, runner=LostBoard(InProcessRunner.of(spec.robot, spec.rates.control_hz, stream(1))))
+    outcome = simulate(spec, runner=LostBoard(InProcessRunner.from_robot(spec.robot, spec.rates.control_hz, stream(1))))
     assert outcome.problems == ("the board is gone",)
     assert not outcome.finished
     assert len(outcome.recording.trajectory.t_s) == 4

@@ -19,7 +19,7 @@ CASES += [("smoke", (f"look={name}",)) for name in shipped_names("look")]
 @pytest.mark.parametrize(("scenario", "overrides"), CASES, ids=lambda value: "-".join(value) if value else "as-it-is")
 def test_it_is_planned_and_runs(scenario, overrides):
     specs = draw_all(load_scenario(scenario, (*overrides, *SHORT)))
-    assert f"{specs[0].route}/test_1" in ScenarioPlan.of(specs, 1).text()
+    assert f"{specs[0].route}/test_1" in ScenarioPlan.from_specs(specs, 1).text()
     for route in {spec.route for spec in specs}:
         outcome = simulate(next(spec for spec in specs if spec.route == route))
         assert not outcome.problems

@@ -274,7 +274,7 @@ def test_the_camera_of_data_csv_sees_through_a_fisheye_lens_what_a_further_one_s
     poses = [FramePose(k + 1, 0.2 * k, 0.55, -0.2, 0.1 * k) for k in range(60)]
     path = RobotPath(np.array([0.0, 20.0]), np.array([[0.55, -0.2, 0.0]] * 2), np.zeros((2, 2)))
     arena = Arena.from_config(spec.arena)
-    jobs = [Appearance.of(cameras[name].spec, "CPU", name).job(arena, poses, path) for name in ("", "same")]
+    jobs = [Appearance.from_spec(cameras[name].spec, "CPU", name).job(arena, poses, path) for name in ("", "same")]
     assert jobs[0].camera == jobs[1].camera
     assert jobs[0].camera.fisheye is not None
     X_WC = [np.array([view.X_WC for view in job.frames]) for job in jobs]

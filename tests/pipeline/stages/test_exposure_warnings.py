@@ -140,7 +140,10 @@ def test_the_dataset_passes_the_warning_on():
     loaded = load_scenario("smoke")
     spec = draw_run(loaded, "CW", 1)
     rows = Rows.from_table(np.column_stack([[0.0, 50.0], np.zeros((2, 17)), [1, 0]]))
-    records = [RunRecord.of(spec, rows, None, ["1 of 9 images are burnt"]), RunRecord.of(spec, rows, None)]
+    records = [
+        RunRecord.from_specification(spec, rows, None, ["1 of 9 images are burnt"]),
+        RunRecord.from_specification(spec, rows, None),
+    ]
     metadata = describe(loaded.tree, [spec], records, [])
     assert json.loads(metadata.to_json())["runs"][0]["warnings"] == ["1 of 9 images are burnt"]
     assert "## Warnings" in markdown(metadata, spec).decode()

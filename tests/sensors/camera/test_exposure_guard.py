@@ -14,7 +14,7 @@ def _jpeg(grey: np.ndarray) -> bytes:
 def test_the_shares_are_those_of_the_pixels():
     image = np.full((10, 10), 128)
     image[:2], image[2, :5] = 3, 253
-    assert Extremes.of(_jpeg(image)) == Extremes(black=0.20, burnt=0.05)
+    assert Extremes.from_jpeg(_jpeg(image)) == Extremes(black=0.20, burnt=0.05)
 
 
 def test_good_images_give_no_warning():
@@ -49,4 +49,4 @@ def test_black_images_from_inside_a_thing_are_not_explained_by_the_light():
 
 def test_a_file_that_is_no_image_is_an_error():
     with pytest.raises(ValueError, match="decoded"):
-        Extremes.of(b"none")
+        Extremes.from_jpeg(b"none")

@@ -34,7 +34,7 @@ def rows() -> Rows:
 
 
 def test_a_user_finds_a_floor_point_in_the_picture_with_opencv_and_the_files_alone(spec, rows, tmp_path):
-    (tmp_path / "intrinsics.json").write_bytes(CameraDocument.of(spec).to_json())
+    (tmp_path / "intrinsics.json").write_bytes(CameraDocument.from_imaging(spec).to_json())
     model = json.loads((tmp_path / "intrinsics.json").read_text())
     (tmp_path / "camera.csv").write_bytes(CAMERA.to_csv(camera_table(spec, rows)))
     image = np.genfromtxt(tmp_path / "camera.csv", delimiter=",", names=True)[1]
@@ -72,13 +72,13 @@ def test_an_instant_is_exposed_at_its_stamp(rows):
 
 def test_a_manual_exposure_is_stated_with_speed_and_f_number(spec):
     settings = ("look.camera.exposure_time_s=0.01", "look.camera.manual_exposure={iso: 200, f_number: 4}")
-    document = CameraDocument.of(draw_run(load_scenario("smoke", settings), "CW", 1))
+    document = CameraDocument.from_imaging(draw_run(load_scenario("smoke", settings), "CW", 1))
     assert (document.exposure_s, document.iso, document.f_number) == (0.01, 200, 4)
-    assert not {"iso", "f_number"} & json.loads(CameraDocument.of(spec).to_json()).keys()
+    assert not {"iso", "f_number"} & json.loads(CameraDocument.from_imaging(spec).to_json()).keys()
 
 
 def test_what_is_written_is_read_again_and_damage_is_reported(spec, tmp_path):
-    model = CameraDocument.of(spec)
+    model = CameraDocument.from_imaging(spec)
     path = tmp_path / "intrinsics.json"
     path.write_bytes(model.to_json())
     assert read_camera_document(path) == model

@@ -52,7 +52,7 @@ def test_limits_with_more_digits_than_the_table_do_not_make_its_readings_faults(
     spec = draw_run(load_scenario("smoke", [f"robot.tof.{limit}" for limit in limits]), "CW", 1)
     tof = spec.robot.tof
     rows = standing_rows(spec, [[tof.no_target_m, tof.min_range_m, tof.max_range_m], [1, 1, 1]])
-    record = RunRecord.of(spec, rows, None)
+    record = RunRecord.from_specification(spec, rows, None)
     (tmp_path / spec.key).mkdir(parents=True)
     (tmp_path / spec.key / "data.csv").write_bytes(rows.to_csv())
     found = [
@@ -64,7 +64,7 @@ def test_limits_with_more_digits_than_the_table_do_not_make_its_readings_faults(
 def described(scenario, *settings, image=(1, 0)):
     loaded = load_scenario(scenario, settings)
     specs = draw_all(loaded)
-    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3)), image), None) for spec in specs]
+    records = [RunRecord.from_specification(spec, standing_rows(spec, np.ones((2, 3)), image), None) for spec in specs]
     return markdown(describe(loaded.tree, specs, records, []), specs[0]).decode()
 
 
@@ -97,7 +97,7 @@ def test_a_description_of_several_looks_names_all_and_says_whose_values_it_shows
     specs = draw_all(loaded)
     tree = {key: value for key, value in loaded.tree.items() if key != "look"}
     looks = {name: load_scenario("smoke", (f"look={name}",)).tree["look"] for name in ("night", "lab")}
-    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    records = [RunRecord.from_specification(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
     text = markdown(describe({**tree, "looks": looks}, specs, records, []), specs[0]).decode()
     images = text[text.index("## Images") : text.index("## Arena")]
     assert "Each run has one of the looks lab, night, which its side/spec.json describes;" in images
@@ -110,14 +110,14 @@ def test_the_same_description_follows_from_the_file():
     """Whose keys are sorted, so that a lost README.md can be written again."""
     loaded = load_scenario("smoke")
     specs = draw_all(loaded)
-    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    records = [RunRecord.from_specification(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
     metadata = describe(loaded.tree, specs, records, [])
     assert markdown(Metadata.model_validate_json(metadata.to_json()), specs[0]) == markdown(metadata, specs[0])
 
 
 def test_a_drawn_truth_stays_one():
     spec = draw_run(load_scenario("smoke", ["render.denoise={choice: [true]}"]), "CW", 1)
-    record = RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None)
+    record = RunRecord.from_specification(spec, standing_rows(spec, np.ones((2, 3))), None)
     assert record.drawn["render.denoise"] is True
     assert RunRecord.model_validate_json(record.model_dump_json()).drawn["render.denoise"] is True
 
@@ -150,7 +150,7 @@ def test_scipy_is_among_the_versions_and_another_one_simulates_again(monkeypatch
     ],
 )
 def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
-    assert FailedRun.of("CW/test_1", "render", text).problem == problem
+    assert FailedRun.from_error("CW/test_1", "render", text).problem == problem
 
 
 def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(capsys, tmp_path):
@@ -208,7 +208,7 @@ def test_of_many_faulty_runs_the_first_is_reported():
 def test_a_scenario_that_no_description_can_state_is_a_fault(change, message):
     loaded = load_scenario("smoke")
     specs = draw_all(loaded)
-    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    records = [RunRecord.from_specification(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
     content = json.loads(describe(loaded.tree, specs, records, []).to_json())
     content["scenario"] |= change
     with pytest.raises(ValidationError, match=f"(?s){message}"):

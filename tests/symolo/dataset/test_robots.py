@@ -67,7 +67,7 @@ def test_robots_of_a_diagnosis_are_not_as_their_data_sheet_says(painted, like):
     _, metadata = described(painted, like)
     specs = draw_all(load_scenario("smoke", [like]))
     driven = {effect.name for spec in specs for effect in spec.robot.effects}
-    robots = SimulatedRobots.of(metadata)
+    robots = SimulatedRobots.from_metadata(metadata)
     assert set(robots.effects) == driven == {"torque_constant_scale"}
     assert (robots.diagnosis, robots.left_out) == ("bench (motor_steady)", ("gear_backlash",))
     text = " ".join(limits(metadata))
@@ -114,13 +114,16 @@ def test_the_table_of_the_splits_names_the_diagnosis(painted, like, copy_of, sig
 def test_without_a_diagnosis_the_settings_of_the_robot_decide(settings, text):
     loaded = load_scenario("smoke", list(settings))
     specs = draw_all(loaded)
-    assert text in SimulatedRobots.of(fake_metadata(loaded.tree, specs)).text
+    assert text in SimulatedRobots.from_metadata(fake_metadata(loaded.tree, specs)).text
 
 
 def test_a_robot_of_which_nothing_is_drawn_is_as_its_settings_say():
     loaded = load_scenario("smoke")
     metadata = fake_metadata(loaded.tree, [spec.model_copy(update={"drawn": {}}) for spec in draw_all(loaded)])
-    assert SimulatedRobots.of(metadata).text == "The robot is as its settings say; it has no effect beyond them."
+    assert (
+        SimulatedRobots.from_metadata(metadata).text
+        == "The robot is as its settings say; it has no effect beyond them."
+    )
 
 
 @pytest.mark.parametrize(
@@ -129,9 +132,9 @@ def test_a_robot_of_which_nothing_is_drawn_is_as_its_settings_say():
 def test_settings_of_a_stranger_that_do_not_fit_state_nothing(damaged):
     loaded = load_scenario("smoke")
     metadata = fake_metadata(loaded.tree | damaged, draw_all(loaded))
-    assert SimulatedRobots.of(metadata).is_as_set
+    assert SimulatedRobots.from_metadata(metadata).is_as_set
 
 
 def fake_metadata(tree, specs):
-    records = [RunRecord.of(spec, drive(), None) for spec in specs]
+    records = [RunRecord.from_specification(spec, drive(), None) for spec in specs]
     return describe(tree, specs, records, ())

@@ -111,7 +111,7 @@ def _release(root: Path, seed: int, kinds: tuple[str, ...]) -> Random:
     tree, specs = _scenario(kinds)
     truths = tuple(_run(root / spec.key, spec, rng) for spec in specs)
     rows = [Rows.from_table(truth.table) for truth in truths]
-    records = [RunRecord.of(spec, of_run, None) for spec, of_run in zip(specs, rows, strict=True)]
+    records = [RunRecord.from_specification(spec, of_run, None) for spec, of_run in zip(specs, rows, strict=True)]
     (root / "metadata.json").write_bytes(describe(tree, specs, records, ()).to_json())
     (root / "README.md").write_text("noise\n")
     (root / "bag-info.txt").write_text("External-Identifier: noise\n")
@@ -151,7 +151,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         "side/wheels.csv": WHEELS.to_csv(wheels),
         "side/tof.csv": TOF.to_csv(tof),
         "side/camera.csv": CAMERA.to_csv(camera),
-        "side/intrinsics.json": CameraDocument.of(spec).to_json(),
+        "side/intrinsics.json": CameraDocument.from_imaging(spec).to_json(),
         "side/spec.json": canonical_json(spec.model_dump(mode="json")),
     }
     files |= {f"images/{i:06d}.jpg": data for i, data in enumerate(pictures, start=1)}
@@ -169,7 +169,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
     for name, data in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    K = np.array(CameraDocument.of(spec).K)
+    K = np.array(CameraDocument.from_imaging(spec).K)
     return Truth(spec.key, table, wheels, tof, X_WC, pictures, instances, passes, sightings, K)
 
 

@@ -26,7 +26,7 @@ def camera(y_m, x_m=0.0, turn_rad=0.0, D=(0.0,) * 5, period_s=0.2, **settings):
     sizes = {"width_px": 160, "height_px": 120, "exposure_s": 0.0, "read_out_s": 0.0} | settings
     document = CameraDocument.model_validate({**sizes, "K": K, "D": D, "X_RC": rows, "X_CB": X_CB})
     images = tuple(SimpleNamespace(t_s=period_s * i) for i in range(3))
-    return SimpleNamespace(camera=CalibratedCamera.of(document), images=images, numbers=(1, 2, 3))
+    return SimpleNamespace(camera=CalibratedCamera.from_document(document), images=images, numbers=(1, 2, 3))
 
 
 def run_of(**cameras):

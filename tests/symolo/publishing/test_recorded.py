@@ -140,7 +140,7 @@ def test_images_of_a_log_are_not_rendered_and_may_show_persons(imported, documen
     }  # fmt: skip
     runs = [run.model_dump(mode="json") | {"cameras": {"front": camera}} for run in metadata.runs]
     metadata = Metadata.model_validate(metadata.model_dump(mode="json") | {"runs": runs})
-    contents = Contents.of(metadata)
+    contents = Contents.from_metadata(metadata)
     assert (contents.logged_images, contents.rendered_images, contents.render_devices) == (4, 0, ())
     texts = documents(metadata)
     for name, text in texts.items():

@@ -24,7 +24,7 @@ def filled(release, store):
 
 def test_what_was_uploaded_comes_back(filled, release_of, tmp_path):
     out = tmp_path / "out"
-    assert download(Remote.of(filled), out, LineReport()) == 10
+    assert download(Remote.from_store(filled), out, LineReport()) == 10
     assert release_of(out) == release_of(tmp_path / "data")
     assert {path.name for path in tmp_path.iterdir()} - {"shelf"} == {"data", "out"}
 
@@ -66,12 +66,12 @@ class Failing:
 def test_one_that_was_interrupted_leaves_nothing_and_then_fetches_only_the_rest(filled, release_of, tmp_path, counting):
     out = tmp_path / "out"
     with pytest.raises(EnvironmentLacking, match="the network is gone"):
-        download(Remote.of(Failing(filled, 3)), out, LineReport())  # pyright: ignore[reportArgumentType] - a proxy
+        download(Remote.from_store(Failing(filled, 3)), out, LineReport())  # pyright: ignore[reportArgumentType] - a proxy
     assert not out.exists()
     came = [path for path in (tmp_path / ".out.download").rglob("*") if path.is_file()]
     assert len([path for path in came if path.name not in {MANIFEST, TAG_MANIFEST}]) == 3
     counted = counting(filled)
-    download(Remote.of(counted), out, LineReport())
+    download(Remote.from_store(counted), out, LineReport())
     content = [name for name in counted.got_names if name not in {MANIFEST, TAG_MANIFEST}]
     assert len(content) == 8 - 3
     assert release_of(out) == release_of(tmp_path / "data")
@@ -82,7 +82,7 @@ def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_pa
     old = tmp_path / ".out.download" / name
     old.parent.mkdir(parents=True)
     old.write_text("old") if name.endswith(".txt") else old.mkdir()
-    download(Remote.of(filled), tmp_path / "out", LineReport())
+    download(Remote.from_store(filled), tmp_path / "out", LineReport())
     assert not (tmp_path / "out/CW/test_9").exists()
     assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
 
@@ -90,7 +90,7 @@ def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_pa
 def test_it_does_not_gather_behind_a_link(filled, release_of, tmp_path):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / ".out.download").symlink_to(tmp_path / "elsewhere")
-    download(Remote.of(filled), tmp_path / "out", LineReport())
+    download(Remote.from_store(filled), tmp_path / "out", LineReport())
     assert list((tmp_path / "elsewhere").iterdir()) == []
     assert not (tmp_path / "out").is_symlink()
     assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
@@ -151,13 +151,13 @@ def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_pa
 def test_a_list_cannot_name_a_place_outside(name):
     digests = {name: hashlib.sha256(b"x").hexdigest()}
     with pytest.raises(InputError, match="names something that is not a file of a release"):
-        Remote.of(_Stranger(digests))  # pyright: ignore[reportArgumentType] - only two methods
+        Remote.from_store(_Stranger(digests))  # pyright: ignore[reportArgumentType] - only two methods
 
 
 def test_a_list_cannot_name_a_file_below_a_file():
     digests = dict.fromkeys(("a", "a/b"), hashlib.sha256(b"x").hexdigest())
     with pytest.raises(InputError, match="names something that is not a file of a release: got 'a'"):
-        Remote.of(_Stranger(digests))  # pyright: ignore[reportArgumentType] - only two methods
+        Remote.from_store(_Stranger(digests))  # pyright: ignore[reportArgumentType] - only two methods
 
 
 class _Stranger:
@@ -182,5 +182,5 @@ def test_a_disk_without_room_is_reported_before_anything_is_fetched(release, tmp
     counted = counting(shelf)
     monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=100))
     with pytest.raises(EnvironmentLacking, match=r"are free; free some space, or name a folder on another disk"):
-        download(Remote.of(counted), tmp_path / "out", LineReport())
+        download(Remote.from_store(counted), tmp_path / "out", LineReport())
     assert counted.got_names == [MANIFEST, TAG_MANIFEST]

@@ -57,7 +57,7 @@ def test_one_that_stops_at_any_object_is_seen_to_be_unfinished_and_then_sends_on
         done += len(stopped.put_names)
         assert len(store.sizes()) == done
         with pytest.raises(InputError, match="holds no finished release"):
-            Remote.of(store)
+            Remote.from_store(store)
     last = counting(store)
     upload(sent[0], last, LineReport())
     assert done + len(last.put_names) == FILES

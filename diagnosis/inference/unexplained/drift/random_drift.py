@@ -76,7 +76,7 @@ def random_drift(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit)
         nominal: The fit without effects.
         fit: The fit with the selected effects.
     """
-    search = DriftSearch.of(evidence, fit)
+    search = DriftSearch.from_fit(evidence, fit)
     if search is None:
         return None
     seen, white = search.beside(fit), search.cost_of_white_noise(fit)
@@ -111,7 +111,7 @@ def rise_with_drift(evidence: Evidence, fit: HypothesisFit, effect: CandidateEff
 
     It is infinite where the rows cannot show a drift, or have one already.
     """
-    search = DriftSearch.of(evidence, fit) if evidence.memory is None else None
+    search = DriftSearch.from_fit(evidence, fit) if evidence.memory is None else None
     if search is None or not search.is_bench:
         return np.inf
     seen = search.beside(without(evidence, fit, effect))

@@ -80,7 +80,7 @@ class RangeSeries:
     """(P, n), derivatives of the predictions by the coordinates of the fit."""
 
     @classmethod
-    def of(
+    def from_fit(
         cls, fit: HypothesisFit, ranges: RangeRows, at: Array, rows: Mask, time_s: Array | None = None
     ) -> "RangeSeries":
         """Return the series of some rows (N,) of the ranges along a coordinate (N,).

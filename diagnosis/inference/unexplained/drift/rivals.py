@@ -52,11 +52,11 @@ def gains_of_others(
         by_size = fit if covariate.size is None else _in_units_of(fit, ranges, np.where(known, covariate.size, 1.0))
         for at, lengths in coordinates(covariate):
             for along in (ranges.of_sensor(at), at) if ranges.sensors > 1 else (at,):
-                series = RangeSeries.of(by_size, ranges, along, known, None if is_bench else time_s)
+                series = RangeSeries.from_fit(by_size, ranges, along, known, None if is_bench else time_s)
                 yield _gain(series, likelihoods(series.at, series.residual_m, series.sd_m, lengths, RATIOS))
         if covariate.name == DISTANCE:
             share = np.where(known, covariate.values, 1.0)
-            series = RangeSeries.of(_in_units_of(fit, ranges, share), ranges, time_s, known & (share > 0.0))
+            series = RangeSeries.from_fit(_in_units_of(fit, ranges, share), ranges, time_s, known & (share > 0.0))
             likely = likelihoods(series.at, series.residual_m, series.sd_m, times_s, RATIOS)
             yield _gain(series, likely)
 
@@ -96,7 +96,7 @@ def _cost_of_wave(
     known = rows & np.isfinite(along)
     if not known.any():
         return np.inf
-    series = RangeSeries.of(fit, ranges, along, known)
+    series = RangeSeries.from_fit(fit, ranges, along, known)
     turns = 2.0 * np.pi * (series.at - series.at[0]) / max(float(np.ptp(series.at)), 1e-12)
     best, max_waves = np.inf, len(np.unique(series.at)) / MIN_ROWS_OF_WAVE
     for waves in np.arange(min_waves, max_waves, STEP_OF_WAVES):

@@ -129,7 +129,7 @@ class DriftSearch:
     """Time from one row to the next."""
 
     @classmethod
-    def of(cls, evidence: Evidence, fit: HypothesisFit) -> "DriftSearch | None":
+    def from_fit(cls, evidence: Evidence, fit: HypothesisFit) -> "DriftSearch | None":
         """Return the search in the rows that are no outliers of a fit; None if they cannot show a drift."""
         ranges = range_rows(evidence)
         if ranges is None:
@@ -139,7 +139,7 @@ class DriftSearch:
         rows = regular(fit.z[ranges.place], evidence.fit[ranges.place] & np.isfinite(time_s))
         if np.count_nonzero(rows) < (MIN_ROWS_OF_SERIES if series else MIN_ROWS):
             return None
-        at_s = RangeSeries.of(fit, ranges, time_s, rows).at
+        at_s = RangeSeries.from_fit(fit, ranges, time_s, rows).at
         row_s, span_s = float(np.median(np.diff(at_s))), float(np.ptp(ranges.time_s[rows]))
         lasting_s = (MIN_LASTING_ROWS_OF_SERIES if series else MIN_LASTING_ROWS) * row_s
         shortest_s, longest_s = max(lasting_s, TIME_CONSTANT_LIMITS.low), min(span_s, TIME_CONSTANT_LIMITS.high)
@@ -163,7 +163,7 @@ class DriftSearch:
 
     def series(self, fit: HypothesisFit) -> RangeSeries:
         """Return the residuals of a fit."""
-        return RangeSeries.of(fit, self.ranges, self.time_s, self.rows)
+        return RangeSeries.from_fit(fit, self.ranges, self.time_s, self.rows)
 
     def cost_of_white_noise(self, fit: HypothesisFit, *, as_stated: bool = False) -> float:
         """Return -2 log-likelihood of the residuals of a fit as white noise, of any size or at most as stated."""

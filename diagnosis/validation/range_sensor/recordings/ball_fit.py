@@ -52,7 +52,7 @@ class HalfScan:
     board_mm: float
 
     @classmethod
-    def of(cls, scan: ScanRecording) -> "HalfScan":
+    def from_scan(cls, scan: ScanRecording) -> "HalfScan":
         """Return the side of the scan on which the board is seen at the rim; the other one shows a holder."""
         settled = scan.settled_mm
         middle = float(np.median(scan.y_mm[settled < settled.min() + 0.3 * INNER_MM]))

@@ -40,7 +40,7 @@ class BallFit:
 
 def ball_edge(mounted: SensorOnStand, scan: ScanRecording) -> ExperimentResult | None:
     """Return fits of the ball and profiles across its edge; None for a scan without a near object and a far board."""
-    half = HalfScan.of(scan)
+    half = HalfScan.from_scan(scan)
     if not half.shows_a_ball:
         return None
     (plain, _), (falling, with_light_mm) = (_fit(mounted, half, exponent) for exponent in (0.0, 2.0))

@@ -37,7 +37,7 @@ def drifting(tmp_path):
 def test_the_rows_have_the_likelihood_of_a_gaussian_process(drifting):
     """Each row is compared with what those before it say; the product is the joint density (Harvey 1989, 3.4)."""
     evidence, fit = drifting
-    search = DriftSearch.of(evidence, fit)
+    search = DriftSearch.from_fit(evidence, fit)
     seen = search.beside(fit)
     error, beside = seen.error, evidence.beside(search.memory(seen))
     prediction = beside.predicted([fit.robot])
@@ -56,7 +56,7 @@ def test_the_rows_have_the_likelihood_of_a_gaussian_process(drifting):
 def test_a_held_out_row_knows_all_others_and_no_other_held_out_one(drifting):
     """Mean and variance of a Gaussian process (Rasmussen and Williams 2006, eq. 2.23 and 2.24)."""
     evidence, fit = drifting
-    search = DriftSearch.of(evidence, fit)
+    search = DriftSearch.from_fit(evidence, fit)
     seen = search.beside(fit)
     error, memory = seen.error, search.memory(seen)
     rows, heldout = np.flatnonzero(search.rows), np.flatnonzero(evidence.heldout)[:5]

@@ -271,7 +271,7 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(drifting, mon
     """It has as many numbers. If it is equally likely, the name has at most half the weight."""
     nominal = drifting.selection.nominal
     (fit,) = fits(drifting.measured, [(nominal.hypothesis, nominal.x)])
-    search = module.DriftSearch.of(drifting.measured, fit)
+    search = module.DriftSearch.from_fit(drifting.measured, fit)
 
     def beside(rise):
         def gains(other, *_, **__):

@@ -125,7 +125,7 @@ def test_no_mean_of_neighbours_reaches_across_a_pause_or_into_another_sensor(dri
     ranges = range_rows(evidence)
     (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
     at = ranges.path_time_s
-    series = RangeSeries.of(fit, ranges, at, np.ones(len(at), dtype=bool))
+    series = RangeSeries.from_fit(fit, ranges, at, np.ones(len(at), dtype=bool))
     assert len(series.at) < 0.6 * len(at)
     away = np.abs(series.at[:, None] - at).min(axis=1)
     assert away.max() < 0.51 * ROW_S

@@ -47,7 +47,7 @@ def test_a_gyroscope_without_errors_is_as_exact_as_its_rounding(before_a_wall):
     perfect = before_a_wall(np.zeros((2, 2)), np.full(2, np.nan), SURE)
     nothing = {name: 0.0 for name in Gyroscope.model_fields if name != "range_rad_s"}
     settings = ImuSettings(gyroscope=Gyroscope(**nothing, range_rad_s=4.0), bits=13, period_s=PERIOD_S)
-    imu = ImuLog.of(settings, np.column_stack((np.arange(0.0, 100.0, 10.0), np.zeros((10, 7)))))
+    imu = ImuLog.from_table(settings, np.column_stack((np.arange(0.0, 100.0, 10.0), np.zeros((10, 7)))))
     assert imu.noise_rad2_s == pytest.approx(100 * PERIOD_S**2 * (8.0 / 2**13) ** 2 / 12)
     gyro_filter = GyroFilter(perfect, imu)
     for _ in range(5):
@@ -61,14 +61,14 @@ def test_the_turns_are_about_the_vertical_axis_of_the_robot_however_the_imu_is_m
     settings = ImuSettings(roll_deg=180, pitch_up_deg=30, calibrated_at_C=20)
     rate_S = 0.2 * np.array([np.sin(np.radians(30)), 0.0, -np.cos(np.radians(30))])
     table = [[t_ms, 0.0, 0.0, 9.81, *rate_S, 22.5] for t_ms in range(0, 150, 5)]
-    turns_rad, warmth_K_s = ImuLog.of(settings, np.array(table)).between(np.array([0.0, 0.05, 0.1]))
+    turns_rad, warmth_K_s = ImuLog.from_table(settings, np.array(table)).between(np.array([0.0, 0.05, 0.1]))
     assert turns_rad == pytest.approx([0.0, 0.01, 0.01])
     assert warmth_K_s == pytest.approx([0.0, 0.125, 0.125])
 
 
 def test_the_random_walk_for_the_bias_instability_has_its_allan_deviation():
     """K sqrt(tau / 3) is 0.664 B at 100 s (IEEE Std 952)."""
-    log = ImuLog.of(ImuSettings(gyroscope=Gyroscope(bias_instability_rad_s=1e-3)), np.zeros((1, 8)))
+    log = ImuLog.from_table(ImuSettings(gyroscope=Gyroscope(bias_instability_rad_s=1e-3)), np.zeros((1, 8)))
     own = Gyroscope().random_walk_rad_s2_rtHz
     assert np.sqrt((log.walk_rad2_s3 - own**2) * 100.0 / 3.0) == pytest.approx(0.664e-3, rel=1e-3)
     assert Accelerometer().sizes() != log.errors
