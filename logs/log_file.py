@@ -140,15 +140,7 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
         rows.pop()
         notes.append(f"{path.name}: the last row is cut off or has no line end, and is left out")
-    wrong = [number for number, row in enumerate(rows, first_row) if len(row) != len(header)]
-    if wrong:
-        what = f"{len(rows[wrong[0] - first_row])} cells under a header of {len(header)}"
-        count = f"rows with a wrong number of cells: {len(wrong)}, the last one is row {wrong[-1]}"
-        more = f"; {count}" if len(wrong) > 1 else ""
-        cure = f"repair or remove the row{more}"
-        if len(header) == 1 and len(wrong) == len(rows):
-            cure = f"row {above + 1} is no header with the names of the columns: remove it, or begin it with #"
-        raise InputError(what, where=f"{path}: row {wrong[0]}", cure=cure)
+    _check_rows(rows, header, first_row, path, above + 1)
     if not rows:
         raise InputError("has no rows below the header", where=str(path))
     return LogFile(
@@ -159,6 +151,21 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
         header_row=0 if names else above + 1,
         first_row=first_row,
     )
+
+
+def _check_rows(
+    rows: Sequence[Sequence[str]], header: Sequence[str], first_row: int, path: Path, header_row: int
+) -> None:
+    """Raise InputError if a row has another number of cells than the header."""
+    wrong = [number for number, row in enumerate(rows, first_row) if len(row) != len(header)]
+    if not wrong:
+        return
+    count = f"; rows with a wrong number of cells: {len(wrong)}, the last one is row {wrong[-1]}"
+    cure = f"repair or remove the row{count if len(wrong) > 1 else ''}"
+    if len(header) == 1 and len(wrong) == len(rows):
+        cure = f"row {header_row} is no header with the names of the columns: remove it, or begin it with #"
+    what = f"{len(rows[wrong[0] - first_row])} cells under a header of {len(header)}"
+    raise InputError(what, where=f"{path}: row {wrong[0]}", cure=cure)
 
 
 def _separator(header: str) -> str:

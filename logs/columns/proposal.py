@@ -65,25 +65,20 @@ def propose_as(
     sources: dict[str, Source] = {}
     warnings: list[str] = []
     faults = FaultList()
+    known = Known(sources, recognised.values(), supply_V)
     for name, column in recognised.items():
         if name not in chosen and kind.is_by_unit(name, column):
-            warnings.append(f"{column} ({name}): taken for it by its unit alone; else correct it in {MAPPING}")
+            warnings.append(
+                f"{column} ({name}): recognised by its unit alone; if it is something else, correct it in {MAPPING}"
+            )
         with faults.noted():
             try:
-                if combined := _combined(log, kind, name, column, units.get(name, "")):
-                    source, reason = combined
-                elif name in units:
-                    source, reason = _stated(kind, name, column, units[name], supply_V)
-                elif name in left_open and not taken_apart(column).unit:
-                    source, reason = Source(column=column), ""
-                else:
-                    known = Known(sources, recognised.values(), supply_V)
-                    source, reason = _recognised(log, kind, name, column, known)
+                source, reason = _source(log, kind, name, column, known, units.get(name), is_open=name in left_open)
             except InputError as error:
                 others = {other: each for other, each in recognised.items() if other != name}
                 if name in chosen or name in units or not _may_lack(kind, name, others, error):
                     raise
-                warnings.append(f"{column} ({name}): taken for no quantity; {error}")
+                warnings.append(f"{column} ({name}): used for no quantity; {error}")
                 continue
             warnings += [f"{', '.join(source.columns)} ({name}): {reason}"] if reason else []
             sense = -1.0 if name == "theta_rad" and _is_clockwise(taken_apart(column)) else 1.0
@@ -92,6 +87,32 @@ def propose_as(
     _mark_per_row(log, sources, warnings)
     mapping = {"kind": kind.name, "header": log.names, "columns": sources}
     return Proposal(LogMapping.model_validate(mapping), tuple(warnings))
+
+
+def _source(  # noqa: PLR0917 - what decides on the unit of one column
+    log: LogFile, kind: LogKind, name: str, column: str, known: Known, unit: str | None, *, is_open: bool
+) -> tuple[Source, str]:
+    """Return the source of a quantity and a note: from several columns, in the stated unit, or by name and values.
+
+    Args:
+        log: The log.
+        kind: Kind of the log.
+        name: The quantity.
+        column: Its column, or the first one of several.
+        known: What is known of the log.
+        unit: Unit that the user stated; None without one.
+        is_open: Whether the caller guesses the unit if the name states none.
+
+    Raises:
+        InputError: The columns or the unit cannot be those of the quantity, or the unit is not known.
+    """
+    if combined := _combined(log, kind, name, column, unit or ""):
+        return combined
+    if unit is not None:
+        return _stated(kind, name, column, unit, known.supply_V)
+    if is_open and not taken_apart(column).unit:
+        return Source(column=column), ""
+    return _recognised(log, kind, name, column, known)
 
 
 def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -> tuple[Source, str]:

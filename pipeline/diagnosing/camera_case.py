@@ -1,6 +1,6 @@
 """The images of a run on disk as a case for camera identification."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,21 +57,7 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
     """
     real = _run(run)
     nominal = real if simulated is None else _run(simulated)
-    spec = nominal.spec
-    if spec is None:
-        raise InputError(
-            "has no side/spec.json, which describes the nominal camera, look and arena",
-            where=str(nominal.folder),
-            cure="name a run of a dataset by --simulated",
-        )
-    if spec.robot.camera.fisheye is not None:
-        cure = "use calibration software for fisheye lenses"
-        raise InputError(
-            "the camera has a fisheye lens, and only pinhole cameras are identified",
-            where=str(nominal.folder),
-            cure=cure,
-        )
-    rows = real.rows
+    spec = _nominal_spec(nominal)
     poses = real.poses
     if len(poses) < MIN_FRAMES:
         raise InputError(
@@ -81,35 +67,61 @@ def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors)
             allowed=f"at least {MIN_FRAMES}",
             cure="give a longer run",
         )
+    frames = _frames(real, poses, nominal.folder, {} if simulated is None else _same_places(poses, nominal))
+    path = RobotPath(real.rows.t_ms / 1000, real.rows.pose, real.rows.twist)
+    arena = Arena.from_config(spec.arena)
+    response = Appearance.from_spec(spec).job(arena, poses, path).response
+    return CameraCase(run_name(real.folder), frames, path, arena, spec.robot, spec.look, response, pose_errors)
+
+
+def _nominal_spec(nominal: _RunImages) -> SceneSpec:
+    """Return the specification of the nominal robot, look and arena.
+
+    Raises:
+        InputError: There is none, or its camera cannot be identified.
+    """
+    if nominal.spec is None:
+        raise InputError(
+            "has no side/spec.json, which describes the nominal camera, look and arena",
+            where=str(nominal.folder),
+            cure="name a run of a dataset by --simulated",
+        )
+    if nominal.spec.robot.camera.fisheye is not None:
+        raise InputError(
+            "the camera has a fisheye lens, and only pinhole cameras are identified",
+            where=str(nominal.folder),
+            cure="use calibration software for fisheye lenses",
+        )
+    return nominal.spec
+
+
+def _frames(
+    real: _RunImages, poses: Sequence[FramePose], simulated: Path, same_place: Mapping[int, int]
+) -> tuple[CameraFrame, ...]:
+    """Return evenly spread images of the real run, each with the simulated image of the same place, if there is one.
+
+    Args:
+        real: The real run.
+        poses: Pose of the robot at each image.
+        simulated: Folder of the simulated run.
+        same_place: Numbers of simulated images by those of the real images of the same place.
+    """
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MAX_FRAMES)).round().astype(int)).tolist()
-    same_place = {} if simulated is None else _same_places(poses, nominal)
-    frames = []
-    for k, i in enumerate(chosen):
-        file = real.folder / IMAGES / frame_name(poses[i].number)
+    frames: list[CameraFrame] = []
+    for k, pose in enumerate(poses[i] for i in chosen):
+        file = real.folder / IMAGES / frame_name(pose.number)
         image = _read_image(file)
-        if k and image.shape != frames[0].image.shape:
+        if frames and image.shape != frames[0].image.shape:
             raise _other_size(file, image, frames[0].image)
         simulated_image = None
-        if (number := same_place.get(poses[i].number)) is not None:
-            path = nominal.folder / IMAGES / frame_name(number)
+        if (number := same_place.get(pose.number)) is not None:
+            path = simulated / IMAGES / frame_name(number)
             simulated_image = _read_image(path)
             if simulated_image.shape != image.shape:
                 raise _other_size(path, simulated_image, image)
-        heldout = k % HELD_OUT_EACH == HELD_OUT_EACH - 1
-        frames.append(CameraFrame(poses[i].number, poses[i].t_s, image, simulated_image, heldout))
-    path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
-    arena = Arena.from_config(spec.arena)
-    response = Appearance.from_spec(spec).job(arena, poses, path).response
-    return CameraCase(
-        run_name(real.folder),
-        tuple(frames),
-        path,
-        arena,
-        spec.robot,
-        spec.look,
-        response,
-        pose_errors,
-    )
+        is_held_out = k % HELD_OUT_EACH == HELD_OUT_EACH - 1
+        frames.append(CameraFrame(pose.number, pose.t_s, image, simulated_image, is_held_out))
+    return tuple(frames)
 
 
 def _run(path: Path) -> _RunImages:
@@ -125,7 +137,7 @@ def _same_places(poses: Sequence[FramePose], nominal: _RunImages) -> dict[int, i
     """Return the number of the simulated image with the same pose for each measured image.
 
     Raises:
-        InputError: None is.
+        InputError: No simulated image has the pose of a measured one.
     """
     theirs = nominal.poses
     places = np.array([(p.x_m, p.y_m) for p in theirs]).reshape(-1, 2)

@@ -17,7 +17,7 @@ def test_motors_whose_unit_nothing_shows_stay_as_they_are(tmp_path):
     assert [table.name for table in logged.tables] == ["log"]
     assert set(logged.tables[0].columns) == {"motor_left", "motor_right"}
     (guess,) = [guess for guess in logged.guesses if guess.startswith("motor_left")]
-    assert "taken for no quantity" in guess
+    assert "used for no quantity" in guess
     assert "duty_255" in guess
     assert "--map" in guess
 

@@ -192,4 +192,4 @@ def test_a_log_without_places_does_without_an_orientation_that_gives_no_heading(
     quaternion = {name: np.full(len(columns["time_ms"]), value) for name, value in zip(names, xyzw, strict=True)}
     code, out, err, _ = init(others | quaternion, *settings)
     assert (code, err) == (0, "")
-    assert "(theta_rad): taken for no quantity" in out
+    assert "(theta_rad): used for no quantity" in out

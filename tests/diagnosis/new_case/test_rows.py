@@ -537,9 +537,8 @@ def test_columns_that_say_nothing_are_refused_with_what_each_kind_needs(log):
 
 def test_a_note_names_each_column_that_was_taken_by_its_unit_alone(log):
     proposal = propose(log("Zeit [s],Spannung [V],Drehzahl [1/min]\n0,1,2\n1,2,3\n"))
-    assert "Drehzahl [1/min] (omega_rad_s): taken for it by its unit alone; else correct it in mapping.yaml" in (
-        proposal.warnings
-    )
+    note = "recognised by its unit alone; if it is something else, correct it in mapping.yaml"
+    assert f"Drehzahl [1/min] (omega_rad_s): {note}" in proposal.warnings
 
 
 @pytest.mark.parametrize("kind", [None, CaseKind.DRIVE_LOG])
