@@ -13,11 +13,11 @@ def bare_speeds(driveline: Driveline, held: HeldVoltages, speed_rad_s: Array) ->
 
     Args:
         driveline: Motors without effects on torque and friction.
-        held: Their voltages in T rows.
+        held: Their voltages in T rows that last equally long.
         speed_rad_s: (N, wheels), speeds before the first row.
     """
     damping, friction, inertia = driveline.damping_N_m_s_rad, driveline.coulomb_N_m, driveline.inertia_kg_m2
-    durations = (held.row_s, held.before_s, held.after_s)
+    durations = (held.durations.whole_s, held.durations.before_s, held.durations.after_s)
     whole, before, after = ((duration_s, covered_share(duration_s, inertia / damping)) for duration_s in durations)
     torques, old, new = (
         [driveline.stall_torque_N_m(voltage_V) for voltage_V in rows_V]

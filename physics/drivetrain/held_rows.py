@@ -1,6 +1,8 @@
 """Voltages at the motors for commands that are held in each row (zero-order hold), after delay, lag and battery.
 
-A row is divided where a delayed command takes effect, so that results change smoothly with the delay.
+A row is divided where a delayed command takes effect, so that results change smoothly with the delay. Rows may last
+unequally long. A command whose delay ends in the row before or after the one where it would in even rows then takes
+effect at the beginning or the end of that one.
 """
 
 from collections.abc import Iterable, Iterator
@@ -48,12 +50,51 @@ class HeldRow:
 
 
 @dataclass(frozen=True)
-class _Durations:
-    """Durations of a row and of its parts before and after a delayed command takes effect."""
+class Durations:
+    """Durations of T rows and of their parts before and after a delayed command takes effect."""
 
-    whole_s: float
+    whole_s: float | Array
+    """One for all rows, or (T, ...)."""
     before_s: float | Array
+    """As `whole_s`, or one for each delay."""
     after_s: float | Array
+    differ: bool = False
+    """Whether each row has durations of its own, along the first axis."""
+
+    @classmethod
+    def of(cls, row_s: float | Array, begins_s: Array, delay_s: float | Array) -> tuple["Durations", NDArray[np.int64]]:
+        """Return the durations, and the number of rows (M,) or (1,) by which commands are late as well.
+
+        Args:
+            row_s: Duration of the rows, one or (T, 1, N, 1).
+            begins_s: (T, 1, N, 1), beginnings of the rows.
+            delay_s: Delay of commands; a number, (M, 1, 1) or (M, N, 1).
+        """
+        whole = np.floor(np.divide(delay_s, np.median(row_s))).astype(np.int64)
+        # An axis of robots before that of trials, of length 1 if they share the delay.
+        late = whole[:, 0, 0] if whole.ndim else whole.reshape(1)
+        if not isinstance(row_s, np.ndarray):
+            rest_s = delay_s - whole * row_s
+            return cls(row_s, rest_s, row_s - rest_s), late
+        rows = np.arange(len(begins_s))[:, None]
+        begun_s = begins_s - begins_s[np.maximum(rows - late, 0), 0]
+        before_s = np.clip(delay_s - begun_s, 0.0, row_s)
+        return cls(row_s, before_s, row_s - before_s, differ=True), late
+
+    def at(self, rows: int | NDArray[np.bool_]) -> "Durations":
+        """Return those of some rows, or of one."""
+        if not self.differ:
+            return self
+        whole_s, before_s, after_s = (np.asarray(each)[rows] for each in (self.whole_s, self.before_s, self.after_s))
+        return Durations(whole_s, before_s, after_s, differ=True)
+
+    def without_robots(self) -> "Durations":
+        """Return the same without an axis of robots of length 1."""
+        if not self.differ:
+            return self
+        return Durations(
+            *(_without_robots(np.asarray(each)) for each in (self.whole_s, self.before_s, self.after_s)), differ=True
+        )
 
 
 def joined_parts(parts: Iterable[HeldPart]) -> Iterator[HeldPart]:
@@ -88,10 +129,7 @@ class HeldVoltages:
     The axis of the robots, before that of the trials, is missing where all robots have the same values.
     """
 
-    row_s: float
-    before_s: float | Array
-    """Duration of a cut row before the command takes effect."""
-    after_s: float | Array
+    durations: Durations
     begin_s: Array
     """(T, N, wheels), beginning of each row, since the motors were first switched on."""
     cut: NDArray[np.int64]
@@ -110,19 +148,19 @@ class HeldVoltages:
 
     @classmethod
     def of(
-        cls, driveline: Driveline, command_V: Array, row_s: float, delay_s: float | Array, begin_s: Array
+        cls, driveline: Driveline, command_V: Array, row_s: float | Array, delay_s: float | Array, begin_s: Array
     ) -> "HeldVoltages":
         """Return the voltages for commands that are 0 V before the first; arguments are those of `held_rows`."""
         rows = np.arange(len(command_V))
-        whole = np.floor(np.divide(delay_s, row_s)).astype(np.int64)
-        rest_s = delay_s - whole * row_s
-        durations = _Durations(row_s, rest_s, row_s - rest_s)
-        # An axis of robots before that of trials, of length 1 if they share the delay.
-        late = whole[:, 0, 0] if whole.ndim else whole.reshape(1)
+        if isinstance(row_s, np.ndarray):
+            row_s = row_s[:, None]
+            begin = begin_s + np.cumsum(row_s, axis=0) - row_s
+        else:
+            begin = begin_s + row_s * rows[:, None, None, None]
+        durations, late = Durations.of(row_s, begin, delay_s)
         padded = np.concatenate([np.zeros_like(command_V[:1]), command_V])
         new_V, old_V = (padded[np.maximum(rows[:, None] + due - late, 0)] for due in (1, 0))
-        begin = begin_s + row_s * rows[:, None, None, None]
-        is_cut = np.any(rest_s > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
+        is_cut = np.any(np.asarray(durations.before_s) > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
         before_V = _held_before(driveline, new_V, old_V, durations, is_cut)
         last_V, mean_V = (
             driveline.battery_voltage_V(volts, begin) for volts in driveline.lagged_V(before_V, new_V, row_s)
@@ -130,7 +168,7 @@ class HeldVoltages:
         old_mean_V, new_mean_V = mean_V[:0], mean_V[:0]
         if is_cut.any():
             old_mean_V, new_mean_V, last_of_cut_V = _cut_voltages(
-                driveline, (before_V[is_cut], old_V[is_cut], new_V[is_cut]), begin[is_cut], durations
+                driveline, (before_V[is_cut], old_V[is_cut], new_V[is_cut]), begin[is_cut], durations.at(is_cut)
             )
             last_V = np.broadcast_to(last_V, (len(last_V), *last_of_cut_V.shape[1:])).copy()
             last_V[is_cut] = last_of_cut_V
@@ -139,9 +177,7 @@ class HeldVoltages:
         row_values = (begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend)
         begin, mean_V, old_mean_V, new_mean_V, last_V, old_trend, new_trend = map(_without_robots, row_values)
         return cls(
-            row_s=row_s,
-            before_s=durations.before_s,
-            after_s=durations.after_s,
+            durations=durations.without_robots(),
             begin_s=begin,
             cut=np.where(is_cut, np.cumsum(is_cut) - 1, -1),
             mean_V=mean_V,
@@ -154,26 +190,29 @@ class HeldVoltages:
 
 
 def held_rows(
-    driveline: Driveline, command_V: Array, row_s: float, delay_s: float | Array, begin_s: Array
+    driveline: Driveline, command_V: Array, row_s: float | Array, delay_s: float | Array, begin_s: Array
 ) -> Iterator[HeldRow]:
     """Yield the voltages of each row; commands are 0 V before the first.
 
     Args:
         driveline: Motors of one robot, or of M.
         command_V: (T, N, wheels), each constant for its row.
-        row_s: Duration of a row.
+        row_s: Duration of a row, one for all or (T, N, 1).
         delay_s: Delay of commands; a number, (M, 1, 1) or (M, N, 1).
         begin_s: (N, 1), time of each trial's start since the motors were first switched on.
     """
     held = HeldVoltages.of(driveline, command_V, row_s, delay_s, begin_s)
     by_row = (list(each) for each in (held.mean_V, held.begin_s, held.last_V, held.old_trend, held.new_trend))
     heat: float | Array = 0.0
-    for place, mean, begin, last, old_trend, new_trend in zip(held.cut.tolist(), *by_row, strict=True):
-        periods = ((mean, begin, row_s, new_trend),)
+    for row, (place, mean, begin, last, old_trend, new_trend) in enumerate(
+        zip(held.cut.tolist(), *by_row, strict=True)
+    ):
+        lasts = held.durations.at(row)
+        periods = ((mean, begin, lasts.whole_s, new_trend),)
         if place >= 0:
-            since = begin + held.before_s
-            before = held.old_V[place], begin, held.before_s, old_trend
-            periods = (before, (held.new_V[place], since, held.after_s, new_trend))
+            since = begin + lasts.before_s
+            before = held.old_V[place], begin, lasts.before_s, old_trend
+            periods = (before, (held.new_V[place], since, lasts.after_s, new_trend))
         parts = []
         for volts, time, duration, trend in periods:
             parts.append(HeldPart(volts, driveline.supply_V(time), time, duration, trend, heat))
@@ -182,21 +221,22 @@ def held_rows(
 
 
 def _held_before(
-    driveline: Driveline, new_V: Array, old_V: Array, durations: _Durations, is_cut: NDArray[np.bool_]
+    driveline: Driveline, new_V: Array, old_V: Array, durations: Durations, is_cut: NDArray[np.bool_]
 ) -> Array:
     """Return the state of a lag before each row, (T, M, N, wheels) or broadcast to it; unused if nothing lags."""
     if not driveline.lags:
         return new_V
     held_V, states_V = np.zeros_like(new_V[0]), []
-    for new, old, cut in zip(new_V, old_V, is_cut.tolist(), strict=True):
+    for row, (new, old, cut) in enumerate(zip(new_V, old_V, is_cut.tolist(), strict=True)):
         states_V.append(held_V)
-        held_V = driveline.held_V(held_V, old, durations.before_s) if cut else held_V
-        held_V = driveline.held_V(held_V, new, durations.after_s if cut else durations.whole_s)
+        lasts = durations.at(row)
+        held_V = driveline.held_V(held_V, old, lasts.before_s) if cut else held_V
+        held_V = driveline.held_V(held_V, new, lasts.after_s if cut else lasts.whole_s)
     return stacked_rows(states_V)
 
 
 def _cut_voltages(
-    driveline: Driveline, voltages_V: tuple[Array, Array, Array], begin_s: Array, durations: _Durations
+    driveline: Driveline, voltages_V: tuple[Array, Array, Array], begin_s: Array, durations: Durations
 ) -> tuple[Array, Array, Array]:
     """Return the mean voltages of cut rows before and after the command takes effect, and the voltages at their ends.
 

@@ -72,7 +72,7 @@ class MeasuredRows:
 def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     model: RobotModel,
     voltage_V: Array,
-    row_s: float,
+    row_s: float | Array,
     begin_s: Array,
     load: WheelLoad = NO_LOAD,
     parts: int = 1,
@@ -83,7 +83,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     Args:
         model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
         voltage_V: (T parts, N, 2), right and left, each constant for a part of a row.
-        row_s: Duration of a row.
+        row_s: Duration of a row, one for all or (T, N).
         begin_s: (N,), time of each trial's start since the robot was switched on.
         load: Load of the body, as far as it is not part of the motors' numbers.
         parts: Number of equal parts of a row.
@@ -98,14 +98,15 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     driveline = Driveline.of_robot(model)
     driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
     if driveline.lags:
-        finer = ceil(row_s / parts / LAG_PART_S)
+        finer = ceil(np.max(row_s) / parts / LAG_PART_S)
         voltage_V, parts = np.repeat(voltage_V, finer, axis=0), finer * parts
     coupling_kg_m2 = load.coupling_kg_m2
     wheels = RigidWheels(driveline, None if coupling_kg_m2 is None else load.torque_N_m, coupling_kg_m2)
     counting = model.functions(Slot.COUNTING)
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []
-    held = held_rows(driveline, voltage_V, row_s / parts, model.input_delay_s, begin_s[:, None])
+    part_s = np.repeat(row_s[..., None] / parts, parts, axis=0) if isinstance(row_s, np.ndarray) else row_s / parts
+    held = held_rows(driveline, voltage_V, part_s, model.input_delay_s, begin_s[:, None])
     for number, row in enumerate(zip(*[held] * parts, strict=True)):
         turned, place_m = np.zeros(()), NO_PLACE
         if measured is not None:
@@ -117,7 +118,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
             speed, further = wheels.moved(placed, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
-        rows.append(applied(counting, turned, row_s))
+        rows.append(applied(counting, turned, row_s[number][:, None] if isinstance(row_s, np.ndarray) else row_s))
     return stacked_rows(rows)
 
 

@@ -51,6 +51,23 @@ def row_lengths_s(
     return logged_s if _is_steep(np.concatenate(rises), np.concatenate(counted)) else even_s
 
 
+def sample_lengths_s(grid: Grid, first: NDArray[np.int64], lasts_s: Array) -> float | Array:
+    """Return the time from each sample of a grid to the next: the period, or (T - 1, N) if rows are uneven.
+
+    Args:
+        grid: Samples of the rows.
+        first: (m,), rows before another one.
+        lasts_s: (m,), time from each of them to the next row. Samples between both are evenly spread.
+    """
+    lengths = np.full((grid.samples - 1, len(grid.places)), grid.period_s)
+    trial = np.repeat(np.arange(len(grid.places)), [len(place) for place in grid.places])
+    sample = np.concatenate(grid.places)
+    for row, lasts in zip(first.tolist(), lasts_s.tolist(), strict=True):
+        between = slice(sample[row], sample[row + 1])
+        lengths[between, trial[row]] = lasts / (sample[row + 1] - sample[row])
+    return grid.period_s if np.allclose(lengths, grid.period_s, rtol=1e-9, atol=0.0) else lengths
+
+
 def _from_neighbours(values: Array) -> Array:
     """Return the difference of each value from the mean of that before and that after it, (m - 2,)."""
     return values[1:-1] - 0.5 * (values[:-2] + values[2:])

@@ -46,7 +46,7 @@ from diagnosis.predictors.wheels.early_voltages import (
     steps_s,
 )
 from diagnosis.predictors.wheels.floor_loads import floor_loads
-from diagnosis.predictors.wheels.row_lengths import row_lengths_s
+from diagnosis.predictors.wheels.row_lengths import row_lengths_s, sample_lengths_s
 from diagnosis.predictors.wheels.turning_loads import TURNING, turning_loads
 from physics.drivetrain.wheel_turns import NO_LOAD, MeasuredRows, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
@@ -93,9 +93,8 @@ class Wheels:
         self._is_coupled = not is_case
         self._counts = nominal.encoder.counts_per_revolution
         self._first, self._next = rows_after(measurement, 1)
-        numbers = np.concatenate(self._grid.places)
-        self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
-        self._measured_lasts_s = row_lengths_s(measurement, self._grid, self._first, self._next)
+        self._lasts_s = row_lengths_s(measurement, self._grid, self._first, self._next)
+        self._row_s = sample_lengths_s(self._grid, self._first, self._lasts_s)
         self._parts, self._voltage_V = 1, self._voltages_V(measurement, 1)
         self._measured = self._measured_rows(measurement)
         speeds = list(self._speeds([nominal])[0])
@@ -240,7 +239,9 @@ class Wheels:
         model = RobotModel.from_config(stacked([nominal], axes=2))
         begins_s = np.tile(self._grid.begins_s, several_V.shape[1])
         side_by_side = several_V.reshape(len(several_V), -1, len(SIDES))
-        turned = counted_turns(model, side_by_side, self._grid.period_s, begins_s, self._load, self._parts)
+        row_s = self._row_s
+        row_s = np.tile(row_s, (1, several_V.shape[1])) if isinstance(row_s, np.ndarray) else row_s
+        turned = counted_turns(model, side_by_side, row_s, begins_s, self._load, self._parts)
         speeds = self._mean_speeds(turned.reshape(len(turned), *several_V.shape[1:]))
         return np.moveaxis(np.nan_to_num(speeds[1:] - speeds[0]), 1, 0)
 
@@ -283,21 +284,21 @@ class Wheels:
 
     def _held_V(self, measurement: Measurement, name: str, parts: int) -> Array:
         rows = np.repeat(self._grid.zero_order_hold(measurement.trials, name)[:-1], parts, axis=0)
-        duration_s = self._grid.period_s / parts
-        begins_s = duration_s * np.arange(len(rows))
+        lasts_s = np.repeat(np.broadcast_to(self._row_s, rows[::parts].shape) / parts, parts, axis=0)
+        begins_s = np.cumsum(lasts_s, axis=0) - lasts_s
         for k, (trial, place) in enumerate(zip(measurement.trials, self._grid.places, strict=True)):
             for series in trial.held_inputs:
                 if series.name == name:
                     # Both begin at sample 0. A trial that ends before others has no voltage after its end.
-                    inside = begins_s < self._grid.period_s * (int(place[-1]) + 1)
-                    rows[inside, k] = held_means(series.t_s, series.values, begins_s[inside], duration_s)
+                    inside = slice(parts * (int(place[-1]) + 1))
+                    rows[inside, k] = held_means(series.t_s, series.values, begins_s[inside, k], lasts_s[inside, k])
         return rows
 
     def _observed(self, measurement: Measurement, side: str, predicted: Array, set_speed: Array, sd: float) -> Observed:
         voltage_V = good_values(measurement, f"u_{side}_V")
         angle_rad = 2.0 * pi / self._counts * good_values(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
-        speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._measured_lasts_s
+        speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
         split = held_out_rows(measurement)
         holdout = split.copy()
         # A mean speed is computed from two rows, and held out if one of them is.
@@ -351,7 +352,7 @@ class Wheels:
         for group in stackable_groups(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(
-                model, voltage_V, self._grid.period_s, self._grid.begins_s, load or self._load, parts, self._measured
+                model, voltage_V, self._row_s, self._grid.begins_s, load or self._load, parts, self._measured
             )
             # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)

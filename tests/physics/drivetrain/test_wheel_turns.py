@@ -1,5 +1,7 @@
 """Turns of wheels under the load of a body, which follow from its motion forward and around itself."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,10 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.wheel_turns import WheelLoad, counted_turns
+from physics.effects.driver_and_battery.actuator_lag import ActuatorLag
 from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
 from physics.effects.driver_and_battery.current_limit import CurrentLimit
+from physics.effects.driver_and_battery.input_delay import InputDelay
 from physics.effects.driver_and_battery.supply_sag import SupplySag
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
@@ -109,3 +113,47 @@ def test_a_wheel_at_a_constant_voltage_follows_a_supply_that_the_other_one_chang
     fine = counted_turns(model, np.repeat(volts, finer, axis=0), ROW_S / finer, np.zeros(1))
     expected = fine.reshape(len(other), finer, 2).sum(axis=1)
     np.testing.assert_allclose(turned / ROW_S, expected / ROW_S, atol=0.02)
+
+
+class TestUnevenRows:
+    """Rows that last unequally long, against exact steps from each change of the voltage to the next."""
+
+    LASTS_S = np.array([[0.05, 0.047], [0.053, 0.05], [0.046, 0.055], [0.05, 0.05], [0.058, 0.049], [0.044, 0.05]])
+    """Of six rows of two trials."""
+    VOLTS = np.array([3.0, -1.0, 0.0, 4.0, 4.0, 1.5])
+
+    def exact_rad(self, robot, lasts_s, delay_s):
+        """Angles that the right wheel turns in each row."""
+        motor = RobotModel.from_config(robot).motors.right
+        begins_s = np.append(0.0, np.cumsum(lasts_s))
+        changes_s = begins_s[:-1] + delay_s
+        times_s = np.unique(np.concatenate([begins_s, changes_s[changes_s < begins_s[-1]]]))
+        speed, turned = 0.0, np.zeros(len(lasts_s))
+        for begin_s, end_s in pairwise(times_s.tolist()):
+            row = int(np.searchsorted(changes_s, begin_s, side="right")) - 1
+            volts = self.VOLTS[row] if row >= 0 else 0.0
+            speed, further = motor.step(volts, speed, end_s - begin_s)
+            turned[int(np.searchsorted(begins_s, begin_s, side="right")) - 1] += further
+        return turned
+
+    @pytest.mark.parametrize("parts", [1, 2])
+    @pytest.mark.parametrize("delay_s", [0.0, 0.013, 0.07])
+    def test_each_row_is_an_exact_step_of_its_own_duration(self, robot, delay_s, parts):
+        model = RobotModel.from_config(robot.with_effect(InputDelay(delay_s=delay_s)))
+        volts = np.repeat(np.tile(self.VOLTS[:, None, None], (1, 2, 2)), parts, axis=0)
+        turned = counted_turns(model, volts, self.LASTS_S, np.zeros(2), parts=parts)
+        expected = [self.exact_rad(robot, lasts_s, delay_s) for lasts_s in self.LASTS_S.T]
+        np.testing.assert_allclose(turned[..., 0], np.transpose(expected), rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.parametrize("effect", [BridgeCoast(inductance_H=1e-4, diode_V=0.6), ActuatorLag(time_constant_s=0.01)])
+    def test_equal_durations_give_what_one_duration_does(self, robot, effect):
+        model, volts = RobotModel.from_config(robot.with_effect(effect)), np.tile(self.VOLTS[:, None, None], (1, 2, 2))
+        one, each = (counted_turns(model, volts, row_s, np.zeros(2)) for row_s in (ROW_S, np.full((6, 2), ROW_S)))
+        np.testing.assert_allclose(each, one, rtol=1e-9)
+
+    def test_robots_with_other_delays_are_independent(self, robot):
+        robots = [robot.with_effect(InputDelay(delay_s=delay_s)) for delay_s in (0.002, 0.06)]
+        volts = np.tile(self.VOLTS[:, None, None], (1, 2, 2))
+        together = counted_turns(RobotModel.from_config(stacked(robots, axes=2)), volts, self.LASTS_S, np.zeros(2))
+        alone = [counted_turns(RobotModel.from_config(each), volts, self.LASTS_S, np.zeros(2)) for each in robots]
+        np.testing.assert_allclose(np.moveaxis(together, 1, 0), alone, rtol=1e-9)
