@@ -70,6 +70,8 @@ class Covariate:
     """(n, k), number of events that reach each of k sizes, those of the other sign subtracted; None for no events."""
     functions: tuple[Array, ...] = ()
     """Sets of functions that are tested one by one, (n, k) each; the values are only for plots."""
+    functions_are: str = "functions"
+    """What these functions are, for reports."""
     corners: tuple[float, ...] = ()
     """Places of the corners of an outline in rising order, with its start and its end, which are the same corner. A
     dependence may jump there."""

@@ -76,6 +76,7 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         yield from _enough(grid, "place")
         if covariate.size is not None:
             yield from _enough(grid * covariate.size[rows, None], "place, with the sign of the motion")
+        yield from _computed(covariate, rows)
     elif covariate.shape is CovariateShape.CATEGORY:
         names = np.unique(values[known])
         if 2 <= len(names) <= CATEGORIES:
@@ -168,7 +169,7 @@ def _events(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
 def _computed(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     """Yield each set of functions that a stage has computed."""
     for functions in covariate.functions:
-        for basis in _enough(functions[rows], "functions"):
+        for basis in _enough(functions[rows], covariate.functions_are):
             yield replace(basis, tries=len(covariate.functions))
 
 

@@ -26,6 +26,7 @@ from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, he
 from diagnosis.predictors.pose.motion_starts import start_covariates
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.reversals import body_rates, reversal_covariates
+from diagnosis.predictors.pose.wheel_slip import PATCH, WheelMotion, slip_functions
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
@@ -327,11 +328,29 @@ class Pose:
                 t_s=self._t_s[first],
                 holdout=holdout,
                 usable=usable,
-                covariates=tuple(replace(c, size=sizes[c.name][k]) if c.name in sizes else c for c in covariates),
+                covariates=self._with_slip(
+                    tuple(replace(c, size=sizes[c.name][k]) if c.name in sizes else c for c in covariates), nominal, k
+                ),
                 samples=f"windows of {WINDOW} rows, of which one begins at every {STRIDE}th row,",
             )
             for k, (name, unit) in enumerate(COMPONENTS)
         )
+
+    def _with_slip(
+        self, covariates: tuple[Covariate, ...], nominal: RobotConfig, component: int
+    ) -> tuple[Covariate, ...]:
+        """Return the covariates of a component with those by which wheels slip."""
+        if not self.has_wheels:
+            return covariates
+        count_m = pi * nominal.drive.wheel_diameter_m / nominal.encoder.counts_per_revolution
+        poses = np.stack([np.ravel(self._place.x_m), np.ravel(self._place.y_m), self._heading_rad], axis=-1)
+        travel_m, windows = count_m * self._counted, (self._first, self._last)
+        motion = WheelMotion(travel_m, self._steps_s, poses, self._starts, windows, nominal.drive.track_m, count_m)
+        patches, further = slip_functions(motion, component)
+        with_patches = (
+            replace(c, functions=patches, functions_are=PATCH) if c.name == "position" else c for c in covariates
+        )
+        return (*with_patches, *further)
 
     def _noise(
         self, measurement: Measurement, nominal: RobotConfig

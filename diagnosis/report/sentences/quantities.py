@@ -9,6 +9,7 @@ from symolo.core.field_descriptions import field_descriptions
 
 UNITS = {
     "rad_s": "rad/s",
+    "m_s2": "m/s²",
     "m_s": "m/s",
     "rad": "rad",
     "lux": "lx",
@@ -54,6 +55,7 @@ NAMES = {
     "travel_reversal": "reversal of driving",
     "distance_since_start": "distance since the robot last started to drive",
     "turn_since_start": "turn since the robot last started to turn",
+    "acceleration": "acceleration of the wheels",
     "wall_place": "place along the walls",
     "tof_front": "range ahead",
     "tof_left": "range to the left",

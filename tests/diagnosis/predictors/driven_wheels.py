@@ -59,6 +59,11 @@ def wheels(robot, voltage_V, angle_rad, t_s=None, **commands):
         "enc_left_ticks": np.floor(TICKS / math.tau * angle_rad[:, 0]),
         "enc_right_ticks": np.floor(TICKS / math.tau * angle_rad[:, 1]),
     } | commands
+    return Wheels(measured(t_s, columns), robot)
+
+
+def measured(t_s, columns):
+    """A log of one trial with these columns (n,)."""
     channels = tuple(Channel.logged(TimeSeries(k, "", t_s, v), Role.READING) for k, v in columns.items())
     log = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), channels, begins_s=0.0)
-    return Wheels(Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), (log,), NOMINAL), robot)
+    return Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), (log,), NOMINAL)
