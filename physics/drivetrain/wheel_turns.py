@@ -4,14 +4,16 @@ The inertia of the body may already be part of the motors' inertia, as on a stan
 were identified with the whole robot. Otherwise the wheels accelerate each other through the body.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
 
 from configs.effects.base import Slot
+from physics.drivetrain.bare_motor import bare_turns
 from physics.drivetrain.driveline import NO_PLACE, Driveline
-from physics.drivetrain.held_rows import held_rows, joined_parts
+from physics.drivetrain.held_rows import HeldVoltages, held_rows, joined_parts
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, applied
@@ -101,11 +103,16 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
         finer = ceil(np.max(row_s) / parts / LAG_PART_S)
         voltage_V, parts = np.repeat(voltage_V, finer, axis=0), finer * parts
     coupling_kg_m2 = load.coupling_kg_m2
-    wheels = RigidWheels(driveline, None if coupling_kg_m2 is None else load.torque_N_m, coupling_kg_m2)
     counting = model.functions(Slot.COUNTING)
+    part_s, lasting_s = _durations(row_s, parts, len(voltage_V))
+    if driveline.is_bare and coupling_kg_m2 is None:
+        voltages = HeldVoltages.of(driveline, voltage_V, part_s, model.input_delay_s, begin_s[:, None])
+        of_parts = bare_turns(driveline, voltages, np.zeros_like(voltage_V[0]))
+        turns = of_parts.reshape(-1, parts, *of_parts.shape[1:]).sum(axis=1)
+        return stacked_rows([applied(counting, turned, lasts) for turned, lasts in zip(turns, lasting_s, strict=True)])
+    wheels = RigidWheels(driveline, None if coupling_kg_m2 is None else load.torque_N_m, coupling_kg_m2)
     speed = angle = np.zeros_like(voltage_V[0])
     rows = []
-    part_s = np.repeat(row_s[..., None] / parts, parts, axis=0) if isinstance(row_s, np.ndarray) else row_s / parts
     held = held_rows(driveline, voltage_V, part_s, model.input_delay_s, begin_s[:, None])
     for number, row in enumerate(zip(*[held] * parts, strict=True)):
         turned, place_m = np.zeros(()), NO_PLACE
@@ -118,8 +125,15 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
             speed, further = wheels.moved(placed, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
-        rows.append(applied(counting, turned, row_s[number][:, None] if isinstance(row_s, np.ndarray) else row_s))
+        rows.append(applied(counting, turned, lasting_s[number]))
     return stacked_rows(rows)
+
+
+def _durations(row_s: float | Array, parts: int, count: int) -> tuple[float | Array, Sequence[float | Array]]:
+    """Return the duration of each part of a row as `held_rows` takes it, and that of each row; `count` parts in all."""
+    if isinstance(row_s, np.ndarray):
+        return np.repeat(row_s[..., None] / parts, parts, axis=0), row_s[..., None]
+    return row_s / parts, (row_s,) * (count // parts)
 
 
 ITERATIONS = 16
