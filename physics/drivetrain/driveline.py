@@ -254,5 +254,7 @@ class Driveline:
 
 
 def _along_wheels(values: Sequence[float | Array]) -> Array:
-    """Return one number per motor along a last axis; numbers of many robots are (M, 1, ..., 1) each."""
-    return np.concatenate([np.atleast_1d(value) for value in values], axis=-1)
+    """Return one number per motor along a last axis; those of many robots are (M, ..., 1) or (M, ..., wheels) each."""
+    each_shape = np.broadcast_shapes((1,), *(np.shape(value) for value in values))
+    numbers = (np.broadcast_to(value, each_shape) for value in values)
+    return np.stack([number[..., min(k, each_shape[-1] - 1)] for k, number in enumerate(numbers)], axis=-1)

@@ -68,7 +68,7 @@ class Durations:
         Args:
             row_s: Duration of the rows, one or (T, 1, N, 1).
             begins_s: (T, 1, N, 1), beginnings of the rows.
-            delay_s: Delay of commands; a number, (M, 1, 1) or (M, N, 1).
+            delay_s: Delay of commands; a number, or one of each robot as (M, 1, 1), (M, N, 1) or (M, N, wheels).
         """
         whole = np.floor(np.divide(delay_s, np.median(row_s))).astype(np.int64)
         # An axis of robots before that of trials, of length 1 if they share the delay.
@@ -198,7 +198,7 @@ def held_rows(
         driveline: Motors of one robot, or of M.
         command_V: (T, N, wheels), each constant for its row.
         row_s: Duration of a row, one for all or (T, N, 1).
-        delay_s: Delay of commands; a number, (M, 1, 1) or (M, N, 1).
+        delay_s: Delay of commands; a number, or one of each robot as (M, 1, 1), (M, N, 1) or (M, N, wheels).
         begin_s: (N, 1), time of each trial's start since the motors were first switched on.
     """
     held = HeldVoltages.of(driveline, command_V, row_s, delay_s, begin_s)

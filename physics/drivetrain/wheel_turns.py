@@ -83,7 +83,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     """Return the angles [rad] that the encoders count in each row from rest, (T, N, 2) or (T, M, N, 2), right and left.
 
     Args:
-        model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
+        model: The robot, or M of them whose numbers are stacked, (M, 1, 1) or (M, N, 2) each.
         voltage_V: (T parts, N, 2), right and left, each constant for a part of a row.
         row_s: Duration of a row, one for all or (T, N).
         begin_s: (N,), time of each trial's start since the robot was switched on.

@@ -1,6 +1,7 @@
 """Many robots as one configuration whose numbers are arrays, so that numpy computes all of them at once."""
 
 from collections.abc import Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -54,54 +55,55 @@ def stackable_groups(robots: Sequence[RobotConfig]) -> list[list[int]]:
     return [group for _, _, group in groups]
 
 
-def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotConfig:
+def stacked(robots: Sequence[RobotConfig], axes: int, lengths: tuple[int, ...] = ()) -> RobotConfig:
     """Return one configuration for M robots of one of the `stackable_groups`.
 
     Args:
         robots: At least one.
         axes: Number of axes after that of the robots in the arrays that the numbers are combined with.
-        times: Length of the first of these axes, if numpy is to run over it and the robots in one loop.
+        lengths: Lengths of the first of these axes, along which the numbers are repeated: small arrays of one shape are
+            combined in half the time of those that broadcast to each other.
 
     Returns:
-        Numbers in which the robots differ are (M, times, 1, ...); the others stay as they are. The configuration is not
-        valid by its schema and serves computations only.
+        Numbers in which the robots differ are (M, *lengths, 1, ...); the others stay as they are. The configuration is
+        not valid by its schema and serves computations only.
 
     Raises:
         ValueError: They differ in something that is not a number.
     """
+    shape = (*lengths, *(1,) * (axes - len(lengths)))
     changed = {
-        name: _joined([getattr(robot, name) for robot in robots], axes, times, f"robot.{name}")
+        name: _joined([getattr(robot, name) for robot in robots], shape, f"robot.{name}")
         for name in RobotConfig.model_fields
         if name not in TEXTS | {"effects"}
     }
-    changed["effects"] = stacked_effects(robots, axes, times)
+    changed["effects"] = stacked_effects(robots, axes, lengths)
     return robots[0].model_copy(update=changed)
 
 
-def stacked_effects(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotEffects:
+def stacked_effects(robots: Sequence[RobotConfig], axes: int, lengths: tuple[int, ...] = ()) -> RobotEffects:
     """Return the effects of `stacked` alone: each robot has those of all, without effect where it lacked one."""
     examples = {type(effect): effect for robot in robots for effect in robot.effects}
     by_kind = [{type(effect): effect for effect in robot.effects} for robot in robots]
+    shape = (*lengths, *(1,) * (axes - len(lengths)))
     joined = []
     for kind, example in examples.items():
         without_effect = example.without_effect()
         members = [effects.get(kind, without_effect) for effects in by_kind]
-        joined.append(_joined(members, axes, times, f"robot.effects.{kind.name}"))
+        joined.append(_joined(members, shape, f"robot.effects.{kind.name}"))
     return RobotEffects(tuple(joined))
 
 
-def _joined(values: Sequence[Any], axes: int, times: int, path: str) -> Any:  # noqa: ANN401
+def _joined(values: Sequence[Any], shape: tuple[int, ...], path: str) -> Any:  # noqa: ANN401
     first = values[0]
     if all(value is first for value in values):
         return first
     if isinstance(first, Section):
         names = type(first).model_fields
-        changed = {
-            name: _joined([getattr(value, name) for value in values], axes, times, f"{path}.{name}") for name in names
-        }
+        changed = {name: _joined([getattr(value, name) for value in values], shape, f"{path}.{name}") for name in names}
         return first.model_copy(update=changed)
     if all(value == first for value in values):
         return first
     if isinstance(first, (int, float)):
-        return np.repeat(np.array(values, dtype=float), times).reshape(len(values), times, *(1,) * (axes - 1))
+        return np.repeat(np.array(values, dtype=float), prod(shape)).reshape(len(values), *shape)
     raise ValueError(f"{path}: robots that differ in it cannot be stacked")

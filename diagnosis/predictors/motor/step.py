@@ -105,7 +105,8 @@ class MotorStep:
         """Return true currents [A] and speeds [rad/s] at all samples, (M, 2, T, N)."""
         motions = np.empty((len(robots), 2, *self._voltage_V.shape))
         for group in stackable_groups(robots):
-            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, times=len(self._grid.begins_s)))
+            trials = len(self._grid.begins_s)
+            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, lengths=(trials,)))
             motions[group] = self._moved(model, self._voltage_V, self._grid.begins_s)
         return motions
 
@@ -132,7 +133,7 @@ class MotorStep:
         # Both ways, so that a dead zone of the motor is not on one side only.
         factors = [1.0 + size * share for share in errors.values() for size in (INPUT_ERROR, -INPUT_ERROR)]
         voltage_V = np.concatenate([self._voltage_V * factor for factor in factors], axis=1)
-        model = RobotModel.from_config(stacked([nominal], axes=2, times=voltage_V.shape[1]))
+        model = RobotModel.from_config(stacked([nominal], axes=2, lengths=(voltage_V.shape[1],)))
         motions = self._moved(model, voltage_V, np.tile(self._grid.begins_s, len(factors)))
         return tuple(
             tuple(InputResponse(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))

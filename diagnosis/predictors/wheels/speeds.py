@@ -350,7 +350,7 @@ class Wheels:
         """Return the same with voltages (T parts, N, 2) that are constant in each part of a row."""
         speeds = np.empty((len(robots), len(SIDES), sum(len(place) for place in self._grid.places)))
         for group in stackable_groups(robots):
-            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
+            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2, lengths=voltage_V.shape[1:]))
             turned = counted_turns(
                 model, voltage_V, self._row_s, self._grid.begins_s, load or self._load, parts, self._measured
             )
