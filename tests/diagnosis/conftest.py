@@ -1,10 +1,12 @@
-"""Logs of drives by the twin, of robots that are known."""
+"""Logs of drives by the twin, of robots that are known, and a diagnosis among few effects."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from diagnosis import diagnose as diagnose_module
 from diagnosis.engine.base import by_twin
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -20,6 +22,27 @@ def cases_on_the_path():
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parents[1]))
         yield
+
+
+@pytest.fixture(scope="session")
+def diagnosed_among():
+    """Diagnoses a measurement with a few effects as the only candidates, which takes a small part of the time.
+
+    A test names those effects that could stand for what it hides. Without any, nothing is named: that is for tests of
+    everything else that a diagnosis finds.
+    """
+    every = diagnose_module.candidates
+
+    def diagnosed(measurement, *names):
+        def few(*arguments):
+            library = every(*arguments)
+            return replace(library, testable=tuple(e for e in library.testable if e.kind.name in names))
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(diagnose_module, "candidates", few)
+            return diagnose_module.diagnose(measurement)
+
+    return diagnosed
 
 
 @pytest.fixture(scope="session")

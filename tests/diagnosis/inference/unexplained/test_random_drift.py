@@ -7,16 +7,19 @@ import numpy as np
 import pytest
 
 from diagnosis import diagnose as diagnose_module
-from diagnosis.diagnose import diagnose
+from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
+from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.selected import selected
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
 from diagnosis.inference.unexplained.drift import search as module
 from diagnosis.inference.unexplained.drift.random_drift import random_drift
+from diagnosis.predictors import STAGES
 from diagnosis.report.report_data import report_data
 from diagnosis.report.sentences.effects.named import effect_sentences
 from diagnosis.report.sentences.verdict.headline import headline
@@ -24,10 +27,13 @@ from sensors.effects.range_sensor.range_wander import RangeWander
 
 pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 
+OF_TIME = ("range_offset", "range_scale", "warmup_drift", "temperature_drift", "noise_scale", "ambient_noise")
+"""Effects of a bench that an error over time could be taken for, alone or together."""
+
 
 @pytest.fixture(scope="module")
-def diagnosed(tmp_path_factory):
-    """The diagnosis of a bench of 150 rows whose readings have an error [m] that is a function of time [s].
+def bench(tmp_path_factory):
+    """A bench of 150 rows whose readings have an error [m] that is a function of time [s].
 
     The rows are 2 s apart, times a factor. A second error [m] is a function of the distance [m].
     """
@@ -40,9 +46,26 @@ def diagnosed(tmp_path_factory):
         columns = {**case.columns, "t_s": t_s, "reading_m": np.round(case.columns["reading_m"] + error, 3)}
         folder = tmp_path_factory.mktemp("bench") / "case"
         gap.write(replace(case, columns=columns), folder)
-        return diagnose(tof_bench.IMPORTER.read(folder))
+        return tof_bench.IMPORTER.read(folder)
 
     return of
+
+
+@pytest.fixture(scope="module")
+def diagnosed(bench, diagnosed_among):
+    """The diagnosis of a bench among the effects that an error over time could be taken for, and further ones."""
+    return lambda error_m, *further, **bench_of: diagnosed_among(bench(error_m, **bench_of), *OF_TIME, *further)
+
+
+def drift_of(measurement):
+    """The random drift that a bench shows beside the nominal robot."""
+    robot = nominal_of(measurement, base_robot_of(measurement, None))
+    evidence, bare = (
+        Evidence(STAGES[measurement.kind](measurement, robot)),
+        Hypothesis(robot, spreads_of(measurement, robot)),
+    )
+    (fit,) = fits(evidence, [(bare, bare.null())])
+    return random_drift(evidence, fit, fit)
 
 
 @pytest.fixture(scope="module")
@@ -119,25 +142,26 @@ def test_a_random_drift_much_larger_than_the_noise_is_named(diagnosed):
 
 def test_an_effect_that_is_not_linear_stays_beside_a_random_drift(diagnosed):
     """Amplitude and decay length of the error near the sensor are so uncertain together that neither seems needed."""
-    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 25.0), near_m=lambda d_m: -0.08 * np.exp(-d_m / 0.025))
+    diagnosis = diagnosed(
+        lambda t_s: gauss_markov(t_s, 0.006, 25.0),
+        "near_field_error",
+        "log_range_error",
+        near_m=lambda d_m: -0.08 * np.exp(-d_m / 0.025),
+    )
     assert set(diagnosis.names) == {"near_field_error", "range_wander"}
 
 
-@pytest.mark.parametrize(
-    "error_m",
-    [
-        lambda t_s: 1e-4 * t_s,
-        lambda t_s: np.where(t_s > 140.0, 0.012, 0.0),
-        lambda t_s: gauss_markov(t_s, 0.006, 1.2),
-    ],
-    ids=["linear drift", "jump", "noise whose neighbours have a correlation of 0.2"],
-)
-def test_what_is_simpler_than_a_random_drift_is_not_called_so(diagnosed, error_m):
-    assert "range_wander" not in diagnosed(error_m).names
+def test_a_linear_drift_is_no_random_one(diagnosed):
+    assert "range_wander" not in diagnosed(lambda t_s: 1e-4 * t_s).names
+
+
+def test_noise_whose_neighbours_have_a_correlation_of_a_fifth_is_no_random_drift(bench):
+    assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 1.2))) is None
+    assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 25.0))) is not None
 
 
 @pytest.fixture
-def swept(tmp_path):
+def swept(tmp_path, diagnosed_among):
     """The diagnosis of a bench whose distance grows and falls slowly, with an error [m] of distance and time."""
 
     def of(error_m):
@@ -151,14 +175,14 @@ def swept(tmp_path):
         gap.write(
             replace(case, columns={**case.columns, "distance_m": sweep_m, "reading_m": reading_m}), tmp_path / "c"
         )
-        return diagnose(tof_bench.IMPORTER.read(tmp_path / "c"))
+        return diagnosed_among(tof_bench.IMPORTER.read(tmp_path / "c"), *OF_TIME)
 
     return of
 
 
 @pytest.fixture
 def at_rest(tmp_path):
-    """The diagnosis of a bench whose target stays at one distance [m], with an error [m] of time and noise of 2 mm."""
+    """A bench whose target stays at one distance [m], with an error [m] of time and noise of 2 mm."""
 
     def of(distance_m, error_m):
         gap = importlib.import_module("gap_cases")
@@ -168,7 +192,7 @@ def at_rest(tmp_path):
         still = {"distance_m": np.full(len(t_s), distance_m), "incidence_rad": np.zeros(len(t_s))}
         reading_m = np.round(distance_m + noise_m + error_m(t_s), 3)
         gap.write(replace(case, columns={**case.columns, **still, "reading_m": reading_m}), tmp_path / "still")
-        return diagnose(tof_bench.IMPORTER.read(tmp_path / "still"))
+        return tof_bench.IMPORTER.read(tmp_path / "still")
 
     return of
 
@@ -190,7 +214,7 @@ def test_what_depends_on_the_distance_is_no_random_drift(swept, error_m):
 def test_a_target_at_rest_shows_a_random_drift_but_not_whether_it_is_one_of_the_scale(at_rest):
     """Both have the same likelihood at one distance, whatever a sum in another order does to the last digits."""
     for distance_m in (0.2, 0.3, 0.41):
-        error = at_rest(distance_m, lambda t_s: gauss_markov(t_s, 0.006, 60.0)).random_drift
+        error = drift_of(at_rest(distance_m, lambda t_s: gauss_markov(t_s, 0.006, 60.0)))
         assert error is not None
         assert error.confidence < 0.5
 
@@ -286,13 +310,13 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(drifting, mon
 
 
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
-def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_limits(diagnosed, row_s, tau_s):
-    diagnosis = diagnosed(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s)
-    assert diagnosis.random_drift is not None
+def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_limits(bench, row_s, tau_s):
+    drift = drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s))
+    assert drift is not None
     time_constant = RangeWander.parameters()["time_constant_s"]
-    assert time_constant.low <= diagnosis.random_drift.effect.time_constant_s <= time_constant.high
+    assert time_constant.low <= drift.effect.time_constant_s <= time_constant.high
 
 
 @pytest.mark.parametrize("row_s", [1e-4, 1e4])
-def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_random_drift(diagnosed, row_s):
-    assert diagnosed(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s).random_drift is None
+def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_random_drift(bench, row_s):
+    assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s)) is None
