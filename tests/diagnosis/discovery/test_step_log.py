@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from configs.effects.registry import EFFECTS
-from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
 from diagnosis.discovery.search import runs_of_one_sign
 from diagnosis.importers import IMPORTERS
@@ -61,9 +60,9 @@ def step_log(folder):
 
 
 @pytest.fixture(scope="module")
-def diagnosis(tmp_path_factory):
-    before = diagnose(step_log(tmp_path_factory.mktemp("steps")))
-    assert before.conclusion in {CaseVerdict.UNEXPLAINED, CaseVerdict.UNDECIDED, CaseVerdict.NAMED_IN_PART}
+def diagnosis(tmp_path_factory, diagnosed_among):
+    before = diagnosed_among(step_log(tmp_path_factory.mktemp("steps")))
+    assert before.conclusion is CaseVerdict.UNEXPLAINED
     return with_law(before)
 
 
