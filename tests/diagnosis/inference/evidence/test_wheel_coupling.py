@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from diagnosis.case_robot import base_robot_of, nominal_of
-from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.cases.blind import read_blind
 from diagnosis.importers.choose import read_measurement
@@ -72,8 +71,14 @@ def test_cases_of_one_robot_have_one_coupling(case):
 
 
 @pytest.fixture(scope="module")
-def diagnosis():
-    return diagnose(read_measurement(EXAMPLE, IMPORTERS))
+def diagnosis(diagnosed_among):
+    """The diagnosis of voltages and counts alone, without any effect."""
+    measurement = read_measurement(EXAMPLE, IMPORTERS)
+    trials = []
+    for trial in measurement.trials:
+        channels = tuple(channel for channel in trial.channels if channel.name.startswith(("u_", "enc_")))
+        trials.append(replace(trial, channels=channels))
+    return diagnosed_among(replace(measurement, trials=tuple(trials)))
 
 
 def coupled(diagnosis, share, std=0.0):
