@@ -12,7 +12,7 @@ from diagnosis.importers.drive_log import IMPORTER
 from diagnosis.measured.measurement import Measurement
 
 OHM, CONSTANT, VISCOUS, COULOMB_N_M, INERTIA = 3.5, 0.3, 0.002, 0.025, 0.0032
-TICKS, ROW_S, STEP_S, SECONDS = 1440, 0.05, 1e-3, 25.0
+TICKS, ROW_S, STEP_S = 1440, 0.05, 1e-3
 NOMINAL = f"""kind: drive_log
 motor:
   winding_resistance_ohm: {{value: {OHM}, tolerance: 0.17}}
@@ -35,10 +35,10 @@ HEADER = (
 NOTE = "log the voltages as often as they change"
 
 
-def wheel(rng: np.random.Generator, cycle_s: float) -> Iterator[tuple[float, int]]:
+def wheel(rng: np.random.Generator, cycle_s: float, lasts_s: float) -> Iterator[tuple[float, int]]:
     """Yield the voltage and the ticks of a wheel in each row, which is taken just after a cycle of its controller."""
     speed = angle = volts = integral = target = changes_at = next_cycle = next_row = 0.0
-    for step in range(round(SECONDS / STEP_S) + 1):
+    for step in range(round(lasts_s / STEP_S) + 1):
         t_s = step * STEP_S + 1e-9
         if t_s > next_cycle:
             if t_s > changes_at:
@@ -56,10 +56,10 @@ def wheel(rng: np.random.Generator, cycle_s: float) -> Iterator[tuple[float, int
         speed = after
 
 
-def log(folder: Path, cycle_s: float) -> Measurement:
+def log(folder: Path, cycle_s: float, lasts_s: float) -> Measurement:
     """Return the log of a robot whose wheels are regulated with this cycle."""
     rng = np.random.default_rng(4)
-    left, right = list(wheel(rng, cycle_s)), list(wheel(rng, cycle_s))
+    left, right = list(wheel(rng, cycle_s, lasts_s)), list(wheel(rng, cycle_s, lasts_s))
     rows = [HEADER]
     for k, ((left_V, left_ticks), (right_V, right_ticks)) in enumerate(zip(left, right, strict=True)):
         split, t_s = "fit" if k < 0.75 * len(left) else "holdout", f"{k * ROW_S:.3f}"
@@ -71,7 +71,7 @@ def log(folder: Path, cycle_s: float) -> Measurement:
 
 @pytest.fixture(scope="module")
 def between_rows(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
-    return diagnose(log(tmp_path_factory.mktemp("fast"), 0.02))
+    return diagnose(log(tmp_path_factory.mktemp("fast"), 0.02, lasts_s=12.0))
 
 
 def test_voltages_that_change_between_the_rows_are_no_effect_of_a_textbook_robot(between_rows):
@@ -79,8 +79,8 @@ def test_voltages_that_change_between_the_rows_are_no_effect_of_a_textbook_robot
     assert between_rows.unexplained is None
 
 
-def test_a_note_says_that_the_wheels_follow_voltages_before_they_are_logged(between_rows):
-    assert any(NOTE in note for note in between_rows.measurement.notes)
+def test_a_note_says_that_the_wheels_follow_voltages_before_they_are_logged(tmp_path):
+    assert any(NOTE in note for note in log(tmp_path, 0.02, lasts_s=25.0).notes)
 
 
 def test_the_part_of_a_change_that_acts_early_is_that_of_the_controller(between_rows):
@@ -92,7 +92,7 @@ def test_the_part_of_a_change_that_acts_early_is_that_of_the_controller(between_
 
 
 def test_a_controller_in_step_with_the_rows_has_no_early_voltages(tmp_path):
-    measurement = log(tmp_path, ROW_S)
+    measurement = log(tmp_path, ROW_S, lasts_s=12.0)
     result = diagnose(measurement)
     assert not any(NOTE in note for note in measurement.notes)
     assert result.early_voltages is None
