@@ -6,8 +6,8 @@ treat that part exactly; effects add an extra torque, which is exactly zero wher
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ MIN_WARM = 0.05
 """Smallest factor of heat on a resistance, whatever a law says beyond the voltages at which it was seen."""
 
 
-@dataclass(frozen=True)
-class Winding:
+class Winding(NamedTuple):
     """The windings of motors at one time; arrays of wheels."""
 
     resistance_ohm: Array

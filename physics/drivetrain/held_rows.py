@@ -6,7 +6,8 @@ effect at the beginning or the end of that one.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,7 @@ LAST_S = 5e-4
 """Length of the end of a row over which `HeldRow.last_V` is a mean."""
 
 
-@dataclass(frozen=True)
-class HeldPart:
+class HeldPart(NamedTuple):
     """A period at constant voltage; all broadcast, wheels along the last axis."""
 
     voltage_V: Array
@@ -37,8 +37,7 @@ class HeldPart:
     """x and y of the robot in W."""
 
 
-@dataclass(frozen=True)
-class HeldRow:
+class HeldRow(NamedTuple):
     parts: tuple[HeldPart, ...]
     """Parts of the row: one, or two if a delayed command takes effect within the row."""
     last_V: Array
@@ -104,7 +103,7 @@ def joined_parts(parts: Iterable[HeldPart]) -> Iterator[HeldPart]:
         if whole is None:
             whole = part
         elif _is_like(part, whole):
-            whole = replace(whole, duration_s=whole.duration_s + part.duration_s)
+            whole = whole._replace(duration_s=whole.duration_s + part.duration_s)
         else:
             yield whole
             whole = part

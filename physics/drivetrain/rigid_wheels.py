@@ -9,7 +9,6 @@ prediction; where they still do, the step is divided into quarters. At null valu
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,7 +116,7 @@ class RigidWheels:
         # The first quarter begins as the whole step does, except for a torque that depends on the turn.
         first = None if self._driveline.needs_angle else loads
         for k in range(PARTS):
-            quarter = replace(part, begin_s=part.begin_s + k * duration_s, duration_s=duration_s)
+            quarter = part._replace(begin_s=part.begin_s + k * duration_s, duration_s=duration_s)
             at_angle = angle_rad + fine_angle if self._driveline.needs_angle else angle_rad
             state = (fine_speed, at_angle)
             fine_speed, further = self._with_effects(quarter, stall, state, depth - 1, first if k == 0 else None)

@@ -1,8 +1,7 @@
 """Rotor and gearbox of a motor on a bench, as one mass or as two with play between them."""
 
-from dataclasses import dataclass
 from math import ceil
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,8 +18,7 @@ MAX_STEP_S, MAX_STEP_SHARE = 5e-3, 0.25
 At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms and a gap of 0.05 rad."""
 
 
-@dataclass(frozen=True)
-class ShaftState:
+class ShaftState(NamedTuple):
     sides: TwoMass
     angle_rad: Array
     """Angle of the motor side since the start; 0 if no effect depends on it."""

@@ -5,7 +5,7 @@ were identified with the whole robot. Otherwise the wheels accelerate each other
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -121,7 +121,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
             known = measured.angle_rad[number]
             angle = np.where(np.isfinite(known), known, angle) if driveline.needs_angle else angle
         for part in joined_parts(part for held_row in row for part in held_row.parts) if parts > 1 else row[0].parts:
-            placed = replace(part, place_m=place_m) if driveline.needs_place else part
+            placed = part._replace(place_m=place_m) if driveline.needs_place else part
             speed, further = wheels.moved(placed, speed, angle)
             turned = turned + further
             angle = angle + further if driveline.needs_angle else angle
