@@ -22,15 +22,16 @@ def fitted(evidence, hypothesis):
     return fit
 
 
-def test_an_adequate_model_is_rarely_called_inadequate(evidence_of, hypothesis):
-    """At a level of 0.001, three or more of 150 happen once in some 2000 times; outliers, one in 50, change nothing."""
+@pytest.mark.parametrize(("seeds", "most"), [(40, 1), pytest.param(150, 2, marks=pytest.mark.long)])
+def test_an_adequate_model_is_rarely_called_inadequate(evidence_of, hypothesis, seeds, most):
+    """At a level of 0.001, more than this happens once in some 1000 times; outliers, one in 50, change nothing."""
     alarms = 0
-    for seed in range(150):
+    for seed in range(seeds):
         readings = X + noise(seed)
         readings[np.random.default_rng(seed + 1000).random(len(X)) < 0.02] += 0.5
         evidence = evidence_of(X, readings, when=np.random.default_rng(seed).permutation(len(X)))
         alarms += not adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
-    assert alarms <= 2
+    assert alarms <= most
 
 
 @pytest.mark.parametrize("level", [0.3, 1.0, 3.0])

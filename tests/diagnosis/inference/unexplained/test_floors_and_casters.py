@@ -87,7 +87,7 @@ def test_a_share_that_is_lost_everywhere_is_a_radius(tmp_path):
     assert not answer["unexplained"]
 
 
-@pytest.mark.parametrize("kick_rad", [0.02, -0.02, 0.2])
+@pytest.mark.parametrize("kick_rad", [0.02, pytest.param(-0.02, marks=pytest.mark.long), 0.2])
 def test_a_caster_that_kicks_at_each_reversal_of_the_turn_is_no_effect_of_the_wheels(tmp_path, kick_rad):
     """Single rows that are far off count little, and those of both directions cancel each other in any mean."""
     answer = diagnosed(tmp_path, lambda _x, _y: 0.0, kick_rad)
@@ -95,7 +95,7 @@ def test_a_caster_that_kicks_at_each_reversal_of_the_turn_is_no_effect_of_the_wh
     assert answer["unexplained_where"] == {"channel": "pose_increment", "covariate": "turn_reversal_rad_s"}
 
 
-@pytest.mark.parametrize("swing", [(0.03, 0.03), (-0.04, 0.05)])
+@pytest.mark.parametrize("swing", [(0.03, 0.03), pytest.param((-0.04, 0.05), marks=pytest.mark.long)])
 def test_a_caster_that_swings_round_whenever_the_robot_drives_on_is_no_difference_of_the_wheels(tmp_path, swing):
     """It turns the robot while it drives, as wheels of different size do, but only at first."""
     answer = diagnosed(tmp_path, lambda _x, _y: 0.0, swing=swing)
