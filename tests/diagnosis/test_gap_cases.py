@@ -180,12 +180,12 @@ def test_a_stuck_motor_stays_stuck_below_breakaway(world, respond):
 
 
 @pytest.mark.parametrize("play", [0.0, 1e-9])
-@pytest.mark.parametrize("cycles", [1.0, 4.0, 9.0])
+@pytest.mark.parametrize("cycles", [1.0, 9.0])
 def test_a_small_ripple_is_an_oscillation_of_the_settled_motor(world, respond, cycles, play):
     """Of amplitude A / |D + i J n w| about the settled speed w, behind the torque against it by the angle of that."""
     effects = [("torque_ripple", {"amplitude_N_m": 1e-3, "cycles_per_turn": cycles, "phase_rad": 0.5})]
     effects += [("gear_backlash", {"gap_rad": play})] if play else []
-    time, _, speed = respond(world(*effects), (0.0, 3.0), rows=600)
+    time, _, speed = respond(world(*effects), (0.0, 3.0), rows=400)
     settled = time > 1.0
     mean = (K * 3.0 / R - Tc) / DAMPING
     angle = (np.cumsum(speed) - 0.5 * speed) * 0.005
