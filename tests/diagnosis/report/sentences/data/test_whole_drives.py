@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.diagnose import diagnose
 from diagnosis.extended_robot import extended_robot
 from diagnosis.posterior.posterior import posterior
 from diagnosis.posterior.random_slip import random_slip
@@ -26,11 +25,11 @@ def made():
     return module
 
 
-def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(made):
+def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(made, diagnosed_among):
     """Planted: radii 40.0 and 40.2 mm for 40, a track of 202.4 mm for 200; two runs of nine are held out."""
     measurement = made.measured(runs=9)
     held = (replace(t, holdout=np.full(len(t.t_s), k in {2, 5})) for k, t in enumerate(measurement.trials))
-    diagnosis = diagnose(replace(measurement, trials=tuple(held)))
+    diagnosis = diagnosed_among(replace(measurement, trials=tuple(held)))
     drive = diagnosis.extended.drive
     assert drive.track_m == pytest.approx(0.2024, abs=4e-4)
     (sentence, *more) = run_ends(diagnosis)
@@ -40,9 +39,9 @@ def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(mad
     assert after < 0.5 * before
 
 
-def test_wheels_that_slip_at_random_have_the_planted_slip(made):
+def test_wheels_that_slip_at_random_have_the_planted_slip(made, diagnosed_among):
     """Each wheel slips by 3 mrad * 40 mm in each of the 400 rows of the first metre: 2.4 mm / sqrt(m)."""
-    diagnosis = diagnose(made.measured(runs=16, slip_rad=3e-3))
+    diagnosis = diagnosed_among(made.measured(runs=16, slip_rad=3e-3))
     slip = random_slip(diagnosis)
     assert abs(np.log(slip.slip_m_sqrt_m / 2.4e-3)) < 3.0 * slip.sd_log
     # 16 squares: a standard error of 18 %.
@@ -59,9 +58,9 @@ def test_wheels_that_slip_at_random_have_the_planted_slip(made):
     assert not [each.field for each in hypothesis.fixed if each.field.startswith("effects.random_slip")]
 
 
-def test_counts_show_the_speeds_of_the_wheels_although_no_voltage_was_logged(made):
+def test_counts_show_the_speeds_of_the_wheels_although_no_voltage_was_logged(made, diagnosed_among):
     """A row of 50 ms has 24 counts on the straight, and up to 16 backwards in the turn on the spot."""
-    measured = {each.quantity: each for each in posterior(diagnose(made.measured(runs=4))).measured}
+    measured = {each.quantity: each for each in posterior(diagnosed_among(made.measured(runs=4))).measured}
     per_count = 2.0 * np.pi / made.COUNTS / 0.05
     speeds = measured["wheel_speed_rad_s"]
     assert (speeds.low, speeds.high) == pytest.approx((-16 * per_count, 24 * per_count))
