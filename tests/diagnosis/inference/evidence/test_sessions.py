@@ -145,7 +145,7 @@ def test_only_an_error_that_all_sessions_share_with_its_sign_may_be_an_effect(
     assert (error.effect not in within_sessions(fit)) == is_shared
 
 
-def test_headings_of_sessions_are_found_and_nothing_is_named():
+def test_headings_of_sessions_are_found_and_nothing_is_named(diagnosed_among):
     yaws = {"morning": 0.012, "noon": -0.008, "evening": 0.004}
     measurement = measured(yaws)
     diagnosis = diagnose(measurement)
@@ -159,11 +159,13 @@ def test_headings_of_sessions_are_found_and_nothing_is_named():
     ahead = r"ahead of that of the robot by 1[12]\.\d+ ± 0\.\d+ \(morning\), .* mrad"
     assert re.search(rf"{ahead}, and behind that of the robot by [78]\.\d+ ± 0\.\d+ \(noon\) mrad", text)
     # Of the same log, without saying which run is of which session, an angle explains only what the sessions share.
-    assert diagnosis.fit.cost < diagnose(without_sessions(measurement)).fit.cost - 50.0
+    assert diagnosis.fit.cost < diagnosed_among(without_sessions(measurement), "marker_yaw").fit.cost - 50.0
 
 
-def test_an_angle_far_beyond_a_body_set_by_eye_is_an_effect_by_name():
-    diagnosis = diagnose(measured({"morning": 0.25, "noon": 0.25, "evening": 0.25}))
+def test_an_angle_far_beyond_a_body_set_by_eye_is_an_effect_by_name(diagnosed_among):
+    others = ("wheel_radius_scale", "wheel_radius_asymmetry", "wheelbase_scale", "floor_slope", "marker_offset")
+    measurement = measured({"morning": 0.25, "noon": 0.25, "evening": 0.25})
+    diagnosis = diagnosed_among(measurement, "marker_yaw", *others)
     (named,) = diagnosis.named
     assert named.name == "marker_yaw"
     assert named.values["angle_rad"] == pytest.approx(0.25, abs=0.05)
