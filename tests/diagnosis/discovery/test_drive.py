@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from diagnosis.diagnose import diagnose
 from diagnosis.discovery.discover import with_law
 from diagnosis.discovery.grammar import forms
 from diagnosis.discovery.places import places
@@ -75,8 +74,8 @@ def drive_along_the_room(folder, read=step_beyond, *, turns=False):
 
 
 @pytest.fixture(scope="module")
-def diagnosis(tmp_path_factory):
-    return with_law(diagnose(drive_along_the_room(tmp_path_factory.mktemp("drive"))))
+def diagnosis(tmp_path_factory, diagnosed_among):
+    return with_law(diagnosed_among(drive_along_the_room(tmp_path_factory.mktemp("drive"))))
 
 
 def test_a_step_of_all_ranges_is_found_at_its_distance(diagnosis):
@@ -103,7 +102,7 @@ def test_only_jumps_and_drifts_depend_on_the_time_of_a_drive(diagnosis):
     assert over_time == {"step", "rise", "line", "power", "saturation"}
 
 
-def test_a_wall_that_reads_too_far_is_found_by_the_direction_that_it_faces(tmp_path):
-    law = with_law(diagnose(drive_along_the_room(tmp_path, glass_at_the_end, turns=True))).law
+def test_a_wall_that_reads_too_far_is_found_by_the_direction_that_it_faces(tmp_path, diagnosed_among):
+    law = with_law(diagnosed_among(drive_along_the_room(tmp_path, glass_at_the_end, turns=True))).law
     assert law.name == "wall_facing_minus_y_range_offset"
     assert law.values["offset_m"] == pytest.approx(EXTRA_M, abs=3.0 * law.std["offset_m"])
