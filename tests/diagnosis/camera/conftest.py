@@ -17,7 +17,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.geometry.robot_path import RobotPath
 
 TESTS = Path(__file__).parents[2]
-SIZE, FRAMES = (128, 96), 14
+SIZE, FRAMES = (128, 96), 10
 
 
 @pytest.fixture(scope="session")

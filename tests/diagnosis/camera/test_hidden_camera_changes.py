@@ -39,25 +39,19 @@ def test_nothing_is_named_where_nothing_is_hidden(as_simulated):
     assert {"report.html", "answer.json"} <= files(as_simulated).keys()
 
 
-@pytest.mark.parametrize(
-    ("field", "name", "size"),
-    [("z_m", "height", 0.006), ("pitch_deg", "pitch_down", -3.0)],
-)
-def test_a_camera_that_sits_otherwise_is_found(make_case, generator, field, name, size):
-    nominal = getattr(generator.Camera(), field)
-    diagnosis = diagnose_camera(make_case(generator.Camera(**{field: nominal + size})))
+def test_a_camera_that_sits_higher_is_found(make_case, generator):
+    diagnosis = diagnose_camera(make_case(generator.Camera(z_m=generator.Camera().z_m + 0.006)))
     deviations = effects(diagnosis)
-    assert deviations.keys() == {name}
+    assert deviations.keys() == {"height"}
     assert "no simulated images" in diagnosis.answer()["not_measured"][0]
-    assert near(deviations[name], size)
+    assert near(deviations["height"], 0.006)
 
 
-@pytest.mark.parametrize("scale", [0.95])
-def test_another_focal_length_is_found(make_case, generator, scale):
-    lens = generator.Lens(focal_px_per_width=scale * 30 / 42.33)
+def test_another_focal_length_is_found(make_case, generator):
+    lens = generator.Lens(focal_px_per_width=0.95 * 30 / 42.33)
     deviations = effects(diagnose_camera(make_case(generator.Camera(lens=lens))))
     assert deviations.keys() == {"focal_length_scale"}
-    assert near(deviations["focal_length_scale"], scale)
+    assert near(deviations["focal_length_scale"], 0.95)
 
 
 def test_pitch_exposure_and_blur_are_found_together(changed):
