@@ -13,14 +13,14 @@ from pipeline.cli import main
 
 ROW_S, DIAMETER_M, TRACK_M, TICKS = 0.05, 0.065, 0.14, 1440
 GRADIENT, DIRECTION_RAD = 0.04, 2.0
-LEG_ROWS, TURN_ROWS, LEGS = 40, 20, 12
+LEG_ROWS, TURN_ROWS, LEGS = 40, 20, 8
 SPEED_M_S, RATE_RAD_S = 0.2, 2.2
 NUMBERS = (f"wheel_diameter_m={DIAMETER_M}", f"track_m={TRACK_M}", f"ticks_per_turn={TICKS}")
 
 
 @pytest.fixture
 def log(tmp_path):
-    """A drive of 36 s: straight ahead for 2 s and on the spot for 1 s, in turn; noise of 0.5 mm, 2 mrad."""
+    """A drive of 24 s: straight ahead for 2 s and on the spot for 1 s, in turn; noise of 0.5 mm, 2 mrad."""
     speed_m_s = np.tile(np.repeat([SPEED_M_S, 0.0], [LEG_ROWS, TURN_ROWS]), LEGS)
     rate_rad_s = np.tile(np.repeat([0.0, RATE_RAD_S], [LEG_ROWS, TURN_ROWS]), LEGS)
     heading_rad = np.append(0.0, np.cumsum(rate_rad_s * ROW_S))
