@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from blender_scenes.hybrid.casters import Caster, casters
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight
 from blender_scenes.hybrid.shadow_mask import ShadowMask, shadow_mask
 from blender_scenes.hybrid.small_lights import SmallLight, on_floor
@@ -20,7 +21,7 @@ _MIN_POINTS, _MAX_POINTS = 8, 64
 _POINTS_PER_PX = 2
 """Number of these points for each pixel of the border's width."""
 _MAX_DRAWN = 200_000
-"""Number of faces, each drawn once for every point of the light, beyond which there are fewer points: half a second."""
+"""Number of shapes, each drawn once per point of the light, beyond which there are fewer points: half a second."""
 _SPARE_TEXELS = 3
 """Texels around the floor in sight."""
 
@@ -29,8 +30,10 @@ class BodyShadows:
     def __init__(self, light: SmallLight, on_robot: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
         """Take a light above all of the meshes of the robot and of moving obstacles, which are in their frames."""
         self._light = light
-        self._faces = [_faces(on_robot), *(_faces([mesh]) for mesh in moving)]
-        self._bodies = [np.concatenate([np.zeros((0, 3)), *faces]) for faces in self._faces]
+        self._shapes = [casters(on_robot), *(casters([mesh]) for mesh in moving)]
+        self._bodies = [
+            np.concatenate([np.zeros((0, 3)), *(shape.corners for shape in shapes)]) for shapes in self._shapes
+        ]
 
     def may_reach(self, view: FrameView, ground: FloatImage, spare_m: FloatImage) -> np.ndarray:
         """Return whether the floor at points (H, W, 2) in W is in a shadow, or nearer to one than `spare_m` (H, W).
@@ -39,7 +42,7 @@ class BodyShadows:
         with NaN are in none.
         """
         near = np.zeros(ground.shape[:2], bool)
-        for moment in _moments(view):
+        for moment in moments_of(view):
             for body, pose in zip(self._bodies, (moment.robot_pose, *moment.moving), strict=True):
                 if len(body):
                     near |= _distance_m(self._shadow(body, pose_X_WR(*pose)), ground) < spare_m
@@ -61,14 +64,14 @@ class BodyShadows:
             rows: Rows.
         """
         pixel_m = float(np.nanmin(sight.pixel_m()[0][rows]))
-        moments = _moments(view)
+        moments = moments_of(view)
         share = np.ones(filters[0][1][rows].shape, np.float32)
-        for number, (faces, vertices) in enumerate(zip(self._faces, self._bodies, strict=True)):
-            if not faces:
+        for number, (shapes, vertices) in enumerate(zip(self._shapes, self._bodies, strict=True)):
+            if not shapes:
                 continue
             poses = [(moment.robot_pose, *moment.moving)[number] for moment in moments]
             ground = sight.in_body(view, MIDDLE, poses, rows)
-            mask = self._mask(faces, vertices, pose_X_WR(*poses[len(poses) // 2]), ground, pixel_m)
+            mask = self._mask(shapes, vertices, pose_X_WR(*poses[len(poses) // 2]), ground, pixel_m)
             if mask is None:
                 continue
             for points, where in filters:
@@ -78,18 +81,18 @@ class BodyShadows:
         return share
 
     def _mask(
-        self, faces: Sequence[Array], vertices: Array, X_WB: Array, ground: FloatImage, pixel_m: float
+        self, shapes: Sequence[Caster], vertices: Array, X_WB: Array, ground: FloatImage, pixel_m: float
     ) -> ShadowMask | None:
         """Return the shadow of a body on the ground (H, W, 2) in sight, in its frame; None if it is beside it."""
         border_m = self._light.border_m(vertices[:, 2].max())
-        max_points = min(_MAX_POINTS, max(_MAX_DRAWN // len(faces), _MIN_POINTS))
+        max_points = min(_MAX_POINTS, max(_MAX_DRAWN // len(shapes), _MIN_POINTS))
         count = int(np.clip(np.ceil(_POINTS_PER_PX * border_m / pixel_m), _MIN_POINTS, max_points))
         points = self._light.points(count) @ np.linalg.inv(X_WB).T
         ends = [on_floor(vertices, point) for point in points]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m
         low = np.maximum(np.min(ends, axis=(0, 1)), np.nanmin(ground, axis=(0, 1))) - spare_m
         high = np.minimum(np.max(ends, axis=(0, 1)), np.nanmax(ground, axis=(0, 1))) + spare_m
-        return shadow_mask(faces, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
+        return shadow_mask(shapes, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
         """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor and its border."""
@@ -101,13 +104,9 @@ class BodyShadows:
         return hull if np.sum(x * next_y - next_x * y) > 0 else hull[::-1]
 
 
-def _moments(view: FrameView) -> tuple[Moment, ...]:
+def moments_of(view: FrameView) -> tuple[Moment, ...]:
+    """Return the moments of the exposure, or the one of a view without an exposure time."""
     return view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
-
-
-def _faces(meshes: Sequence[Mesh]) -> list[Array]:
-    """Return the corners (K, 3) of each face."""
-    return [np.array([mesh.vertices[corner] for corner in face], float) for mesh in meshes for face in mesh.faces]
 
 
 def _distance_m(hull: Array, points: FloatImage) -> FloatImage:

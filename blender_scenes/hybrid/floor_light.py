@@ -28,40 +28,45 @@ def without_noise(light: FloatImage, free: FloatImage, denoised: Denoiser, *, ke
     known = free[..., 0] > _MIN_FREE
     if not known.any():
         return light
-    whole = _mirrored(without_holes(light, free), known)
+    nearest = nearest_free(free)
+    whole = _mirrored(without_holes(light, free, nearest), known, nearest)
     even = denoised(whole, np.broadcast_to(_UP, light.shape), np.broadcast_to(_GUIDE_ALBEDO, light.shape))
     if keeps_mean:
         even *= np.float32(lost_light_factor(whole[known], even[known]))
-    return even[_nearest(known)]
+    return even[nearest]
 
 
-def without_holes(light: FloatImage, free: FloatImage) -> FloatImage:
+def without_holes(light: FloatImage, free: FloatImage, nearest: tuple[np.ndarray, np.ndarray]) -> FloatImage:
     """Return light (N, N, K) on the whole floor: below bodies, it is that of the nearest texel beside them.
 
     Args:
         light: Light on a floor that is black below bodies, so that texels at their feet are darker.
         free: Share (N, N, 1) of each texel that is not below a body.
+        nearest: `nearest_free` of it.
     """
-    known = free[..., 0] > _MIN_FREE
-    return (light / np.maximum(free, _MIN_FREE))[_nearest(known)] if known.any() else light
+    return (light / np.maximum(free, _MIN_FREE))[nearest]
 
 
-def _mirrored(light: FloatImage, known: np.ndarray) -> FloatImage:
+def _mirrored(light: FloatImage, known: np.ndarray, nearest: tuple[np.ndarray, np.ndarray]) -> FloatImage:
     """Return light (N, N, K) that is mirrored at the nearest known texel where it is not known, if it is known there.
 
     Copies of the nearest texel would be stripes of the same noise, which a denoiser does not take for noise.
     """
-    places = np.indices(known.shape)
     rows, columns = (
         np.clip(2 * at - place, 0, count - 1)
-        for at, place, count in zip(_nearest(known), places, known.shape, strict=True)
+        for at, place, count in zip(nearest, np.indices(known.shape), known.shape, strict=True)
     )
     return np.where(known[rows, columns][..., None], light[rows, columns], light)
 
 
-def _nearest(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return row and column (N, N) of the known texel that is nearest to each texel, itself if it is known."""
-    if known.all():
+def nearest_free(free: FloatImage) -> tuple[np.ndarray, np.ndarray]:
+    """Return row and column (N, N) of the nearest texel that is not below a body, itself if there is no other.
+
+    Args:
+        free: Share (N, N, 1) of each texel that is not below a body.
+    """
+    known = free[..., 0] > _MIN_FREE
+    if known.all() or not known.any():
         rows, columns = np.indices(known.shape)
         return rows, columns
     # The nearest one, so that the floor beside a thin wall is not lit by what is behind the wall.

@@ -7,7 +7,7 @@ from symolo.core.arrays import FloatImage
 
 
 def denoised_pair(
-    moved: FloatImage, still: FloatImage, normal: FloatImage, denoised: Denoiser
+    moved: FloatImage, still: FloatImage, normal: FloatImage, denoised: Denoiser, share: FloatImage
 ) -> tuple[FloatImage, FloatImage]:
     """Return light (h, w, 3) with and without what moves, without noise.
 
@@ -20,11 +20,14 @@ def denoised_pair(
         still: Light without it.
         normal: Normals (h, w, 3) of the surfaces.
         denoised: Denoiser.
+        share: (h, w, 3) predicted share of the light that what moves lets through, which is 1 far from it. It guides
+            the denoiser as a colour of the floor would, so that it leaves the borders of shadows as they are.
     """
     # A denoiser of light takes no negative values, which are where a thing that moves throws light.
-    taken, added = (
-        denoised(part, normal) if part.any() else part
-        for part in (np.maximum(still - moved, 0), np.maximum(moved - still, 0))
-    )
-    rest = denoised(moved, normal)
+    taken, added = np.maximum(still - moved, 0), np.maximum(moved - still, 0)
+    if taken.any():
+        taken = denoised(taken, normal, 1 - share if (share < 1).any() else None)
+    if added.any():
+        added = denoised(added, normal)
+    rest = denoised(moved, normal, share)
     return rest, np.maximum(rest + taken - added, 0)

@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
 
+from blender_scenes.hybrid.casters import Caster
 from blender_scenes.hybrid.small_lights import on_floor
 from symolo.core.arrays import Array, FloatImage
 
 _FINER = 4
-"""Number of pixels that are drawn along the side of a texel."""
+"""Default number of pixels that are drawn along the side of a texel."""
 _BITS = 8
 """Binary digits of a place between two drawn pixels."""
 _MAX_TEXELS = 1024
@@ -25,36 +27,42 @@ class ShadowMask:
     """(2,), lower left corner [m]."""
     texel_m: float
     share: FloatImage
-    """(h, w), share of the light that passes; rows along y."""
+    """(h, w) or (h, w, 3), share of the light that passes; rows along y."""
 
     def at(self, points: FloatImage) -> FloatImage:
-        """Return the interpolated share (H, W) at points (H, W, 2) [m]; 1 beside the map and where a point is NaN."""
+        """Return the interpolated share, as it is stored, at points (H, W, 2) [m]; 1 beside the map and at NaN."""
         where = (points - self.low.astype(np.float32)) / np.float32(self.texel_m) - np.float32(0.5)
         u, v = (np.ascontiguousarray(np.nan_to_num(where[..., axis], nan=-9.0)) for axis in (0, 1))
-        share = cv2.remap(self.share, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1.0,))
+        share = cv2.remap(self.share, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1.0,) * 3)
         return share.astype(np.float32, copy=False)
 
 
-def shadow_mask(faces: Sequence[Array], light_points: Array, low: Array, high: Array, texel_m: float) -> ShadowMask:
-    """Return the shadow of faces in a rectangle of the floor.
+def shadow_mask(
+    shapes: Sequence[Caster], light_points: Array, low: Array, high: Array, texel_m: float, *, finer: int = _FINER
+) -> ShadowMask:
+    """Return the shadow of bodies in a rectangle of the floor.
 
     Args:
-        faces: Corners (K, 3) of each face.
+        shapes: Bodies and faces.
         light_points: Points (K, 4) all over the light, as `small_lights` has them, each with an equal part of it. All
-            places are above the faces.
+            places are above the shapes.
         low: Lower left corner (2,) of the rectangle.
         high: Its upper right corner (2,).
         texel_m: Size of a texel; it is larger for a large rectangle.
+        finer: Number of pixels that are drawn along the side of a texel.
     """
     texel_m = max(texel_m, float(np.max(high - low)) / _MAX_TEXELS)
     width, height = np.ceil((high - low) / texel_m).astype(int).tolist()
-    corners, ends = np.concatenate(faces), np.cumsum([len(face) for face in faces])[:-1]
+    corners = np.concatenate([shape.corners for shape in shapes])
+    ends = np.cumsum([0, *(len(shape.corners) for shape in shapes)]).tolist()
     shaded = np.zeros((height, width), np.float32)
     for point in light_points:
         # Whole numbers are the middles of drawn pixels.
-        at = np.clip((on_floor(corners, point) - low) / texel_m * _FINER - 0.5, -_MAX_PX, _MAX_PX)
-        drawn = np.zeros((height * _FINER, width * _FINER), np.uint8)
-        for polygon in np.split(np.rint(at * 2**_BITS).astype(np.int32), ends):
-            cv2.fillPoly(drawn, [polygon], (255,), shift=_BITS)
+        at = np.clip((on_floor(corners, point) - low) / texel_m * finer - 0.5, -_MAX_PX, _MAX_PX)
+        drawn = np.zeros((height * finer, width * finer), np.uint8)
+        places = np.rint(at * 2**_BITS).astype(np.int32)
+        for shape, (begin, end) in zip(shapes, pairwise(ends), strict=True):
+            outline = cv2.convexHull(places[begin:end]) if shape.is_body else places[begin:end]
+            cv2.fillPoly(drawn, [outline], (255,), shift=_BITS)
         shaded += cv2.resize(drawn, (width, height), interpolation=cv2.INTER_AREA)
     return ShadowMask(low, texel_m, (1 - shaded / np.float32(255 * len(light_points))).astype(np.float32))

@@ -11,10 +11,11 @@ import numpy as np
 
 from blender_scenes.blender_side.hybrid.scenes import HybridScenes, Passes
 from blender_scenes.hybrid.body_shadows import BodyShadows
+from blender_scenes.hybrid.casters import casting_meshes
 from blender_scenes.hybrid.floor_sight import FilterPoint, FloorSight
 from blender_scenes.hybrid.small_lights import SmallLamp, SmallLight, SunDisc
 from blender_scenes.hybrid.upsampling import reduced
-from blender_scenes.scene.description import LightPanel, Mesh, Scene
+from blender_scenes.scene.description import LightPanel, Scene
 from sensors.camera.views import FrameView
 from symolo.core.arrays import FloatImage
 
@@ -59,9 +60,7 @@ class HardLightTracer:
     ) -> None:
         """Trace light images with so many samples; for `filters` see `BodyShadows.visible_share`."""
         self._scenes, self._samples, self._sight, self._filters = scenes, samples, sight, filters
-        clear = {surface.name for surface in scene.surfaces if surface.transmission}
-        moving = [mesh if not clear & set(mesh.face_surface) else _without_faces(mesh) for mesh in scene.moving]
-        robot = scene.robot + scene.robot_in_sight
+        robot, moving = casting_meshes(scene)
         height_m = max((z for mesh in (*robot, *moving) for _, _, z in mesh.vertices), default=0.0)
         lights = [SunDisc(scene.sun)] if scene.sun else []
         lights += [SmallLamp(panel) for panel in _small_panels(scene.panels, height_m)]
@@ -131,8 +130,3 @@ def _small_panels(panels: Sequence[LightPanel], height_m: float) -> list[LightPa
         and max(panel.width_m, panel.height_m) < _MAX_SIZE * (panel.center[2] - height_m)
     ]
     return sorted(small, key=lambda panel: -sum(panel.radiance) * panel.width_m * panel.height_m)[:_MAX_LAMPS]
-
-
-def _without_faces(mesh: Mesh) -> Mesh:
-    """Return a mesh of glass, which throws hardly any shadow."""
-    return Mesh(mesh.name, mesh.vertices, (), (), ())

@@ -3,10 +3,10 @@
 Most of what the camera sees is the floor. Its reflectance, its relief, and the light on it without robot and moving
 obstacles are the same in every image; they are rendered once, as maps (`floor_maps`). The light of an image is traced
 with very few pixels and samples, twice with the same random numbers, with and without what moves. The ratio of the two,
-which has no noise where nothing moves, is multiplied with the map's light. The upper rows, where the floor is far and
-where other things stand, are traced again with more pixels; everything but the floor takes its light from there. The
-surfaces of these other things are traced without bounces, which is fast, and only in the rows in which they are
-visible.
+which has no noise where nothing moves, is multiplied with the map's light; the borders of its shadows follow from the
+outlines of what moves (`shadow_guide`). The upper rows, where the floor is far and where other things stand, are traced
+again with more pixels; everything but the floor takes its light from there. The surfaces of these other things are
+traced without bounces, which is fast, and only in the rows in which they are visible.
 """
 
 from pathlib import Path
@@ -30,6 +30,7 @@ from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight
 from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
 from blender_scenes.hybrid.moving_shade import denoised_pair
+from blender_scenes.hybrid.shadow_guide import ShadowGuide
 from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import LightPanel, Mesh
@@ -85,6 +86,7 @@ class HybridRenderer:
         self._hard_light = HardLightTracer(
             job.scene, self._scenes, self._samples.near, self._sight, self._floor.filters
         )
+        self._shadow_guide = ShadowGuide(job.scene, self._sight)
         self._floor_depth = self._sight.depth_m()
         self._horizon_rows = _rows_of(~np.isfinite(self._floor_depth))
         self._far_floor_rows = _rows_of(~(self._floor_depth < _FAR_M))
@@ -99,7 +101,7 @@ class HybridRenderer:
         cover = seen[COVER][..., :1]
         needed = cover[..., 0] > 0
         reflectance, seen[ROUGHNESS], normal = np.split(self._floor.surface(view, needed), [3, 4], axis=-1)
-        share, hidden, traced = self._near_light(moved, still, hard, seen)
+        share, hidden, traced = self._near_light(view, moved, still, hard, seen)
         floor = reflectance * self._floor.light(view, needed, normal, hidden)
         end = self._far_end(cover)
         if end:
@@ -129,7 +131,7 @@ class HybridRenderer:
         return {name: np.concatenate([upper[name], rest]) for name, rest in (lower | {"Depth": floor}).items()}
 
     def _near_light(
-        self, moved: Passes, still: Passes, hard: HardLight | None, seen: Passes
+        self, view: FrameView, moved: Passes, still: Passes, hard: HardLight | None, seen: Passes
     ) -> tuple[FloatImage, list[Hidden], FloatImage]:
         """Return the ratio (H, W, 3) of the light with and without what moves, and the channels of `_traced`.
 
@@ -138,21 +140,26 @@ class HybridRenderer:
         traced = self._traced(moved, seen, self._near)
         normal = reduced(seen["Normal"], self._near)
         with_and_without = hard.rest if hard else (matt_light(moved), matt_light(still))
-        pair = denoised_pair(*with_and_without, normal, self._denoised)
         shaded = hard.shaded if hard else ()
+        lights = with_and_without[1] - still["DiffInd"], still["DiffInd"]
+        guide = self._shadow_guide.share(view, lights, {one.light.name for one in shaded})
+        low_guide = reduced(guide, self._near)
+        with_, without = denoised_pair(*with_and_without, normal, self._denoised, low_guide)
         # Pixels of the light image that show floor and a bright face would brighten the floor beside the face.
         floor_alone = is_floor(seen, self._near)
-        of_floor = [no_brighter_than_around(light, floor_alone) for light in (*pair, *(one.still for one in shaded))]
+        # The borders of shadows are those of the guide, which has all pixels of the image.
+        parts = with_ / low_guide, without, *(one.still for one in shaded)
+        of_floor = [no_brighter_than_around(light, floor_alone) for light in parts]
         low = np.concatenate([*of_floor, traced], axis=-1)
         ends = 3 * (1 + np.arange(len(of_floor)))
         with_, without, *direct, traced = np.split(upsampled_light(low, seen), ends, axis=-1)
         # All renderings with and without what moves have the same random numbers, so their ratio is exactly 1 where
-        # nothing that moves matters. The offset keeps it defined, and near 1, where there is hardly any light. It is a
-        # share of the light without that of `shaded`, which alone remains in a shadow.
+        # nothing that moves matters. The offset keeps it defined, and near the guide, where there is hardly any light.
+        # It is a share of the light without that of `shaded`, which alone remains in a shadow.
         offset = _MIN_SHARE * np.median(of_floor[1]) + _MIN_LIGHT
         all_light = without + sum(direct) + offset
         remaining = [light * one.visible for light, one in zip(direct, shaded, strict=True)]
-        share = np.clip((with_ + sum(remaining) + offset) / all_light, 0, _MAX_SHARE)
+        share = np.clip(((with_ + offset) * guide + sum(remaining)) / all_light, 0, _MAX_SHARE)
         hidden = [
             ((light - left) / all_light, one.light) for light, left, one in zip(direct, remaining, shaded, strict=True)
         ]

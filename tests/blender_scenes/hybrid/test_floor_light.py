@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.denoiser import Denoiser
-from blender_scenes.hybrid.floor_light import without_holes, without_noise
+from blender_scenes.hybrid.floor_light import nearest_free, without_holes, without_noise
 from blender_scenes.hybrid.footprints import Footprints
 from blender_scenes.hybrid.tiled_map import Tile
 from blender_scenes.scene.meshes import block
@@ -22,7 +22,7 @@ def _lit(side: int = 24) -> np.ndarray:
 def test_a_hole_takes_its_light_from_around_it_and_all_else_keeps_its_own(hole):
     light, free = _lit(), np.ones((24, 24, 1), np.float32)
     light[hole] = free[hole] = 0
-    filled = without_holes(light, free)
+    filled = without_holes(light, free, nearest_free(free))
     kept = free[..., 0] > 0
     np.testing.assert_array_equal(filled[kept], light[kept])
     around = {tuple(texel) for texel in light[kept].tolist()}
@@ -35,14 +35,15 @@ def test_both_sides_of_a_wall_have_their_own_light_up_to_its_middle(share):
     free = np.ones((16, 24, 1), np.float32)
     free[:, 11:13], free[:, [10, 13]] = 0.0, 1 - share
     true = np.where(np.arange(24) < 12, 1.0, 5.0)[:, None] * np.array([1.0, 0.8, 0.6])
-    row = without_holes((true * free).astype(np.float32), free)[8]
+    row = without_holes((true * free).astype(np.float32), free, nearest_free(free))[8]
     np.testing.assert_allclose(row, true, rtol=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_where_all_or_nothing_is_free_nothing_changes(share):
     light = share * _lit()
-    np.testing.assert_array_equal(without_holes(light, np.full((24, 24, 1), share, np.float32)), light)
+    free = np.full((24, 24, 1), share, np.float32)
+    np.testing.assert_array_equal(without_holes(light, free, nearest_free(free)), light)
 
 
 SIDE, TEXEL_M = 96, 0.004
