@@ -94,9 +94,11 @@ def _settings(trial: EffectTrial) -> None:
     effect = trial.effect
     robot = trial.robot(trial.start)
     if robot.model_dump()["effects"] != {effect.name: trial.start.model_dump()}:
-        raise BrokenRule("the settings of the robot do not show the values that were given")
+        raise BrokenRule("the settings of the robot do not show the given values: keep them as they are")
     if RobotConfig.model_validate_json(robot.model_dump_json()) != robot:
-        raise BrokenRule("written as JSON and read again, the effect has other values")
+        raise BrokenRule(
+            "written as JSON and read again, the effect has other values: its fields may be numbers and texts"
+        )
     for name, number in effect.parameters().items():
         for inside in (number.low, number.high):
             _validated(effect, {**trial.start.model_dump(), name: inside}, name)
@@ -124,7 +126,8 @@ def _form(trial: EffectTrial) -> None:
     for call in calls:
         first, result = call.arguments[0], call.result
         if type(result) is not type(first) and not (_is_number(first) and _is_number(result)):
-            raise BrokenRule(f"apply returns {type(result).__name__}, and its first argument is {type(first).__name__}")
+            types = f"apply returns {type(result).__name__}, and its first argument is {type(first).__name__}"
+            raise BrokenRule(f"{types}: return that argument, changed")
         for argument, changed in zip(numbers_in(first), numbers_in(result), strict=True):
             if np.broadcast_shapes(argument.shape, changed.shape) != changed.shape:
                 raise BrokenRule(f"apply returns an array of shape {changed.shape} in the place of {argument.shape}")
@@ -142,7 +145,8 @@ def _null(trial: EffectTrial) -> None:
     for place in trial.places():
         bare, null = trial.bare(place), trial.read(place, trial.effect.null(trial.choices))
         if not equal(bare, null):
-            raise BrokenRule(f"at the null values {_first_change(bare, null)} on the {place}")
+            change = f"{_first_change(bare, null)} on the {place}"
+            raise BrokenRule(f"at the null values {change}: apply must then return its first argument")
 
 
 def _first_change(some: Readings, others: Readings) -> str:
@@ -158,7 +162,7 @@ def _start(trial: EffectTrial) -> None:
     if not changed:
         raise BrokenRule(f"at the start values no reading changes ({'; '.join(ABOUT)}); is there a larger start?")
     if "engine" in trial.places() and "engine" not in changed and "twin" in changed:
-        raise BrokenRule("it changes the twin, and not PyBullet")
+        raise BrokenRule("it changes the twin, and not PyBullet: compute it from the arguments of apply alone")
 
 
 def _pure(trial: EffectTrial) -> None:
@@ -183,7 +187,8 @@ def _finite(trial: EffectTrial) -> None:
             with np.errstate(all="ignore"):
                 result = changed.apply(*frozen(call.arguments))
             if not all(np.all(np.isfinite(x)) for x in numbers_in(result)):
-                raise BrokenRule(f"{name}={getattr(changed, name):g} gives a result that is not finite")
+                value = f"{name}={getattr(changed, name):g}"
+                raise BrokenRule(f"{value} gives a result that is not finite: choose other bounds")
 
 
 def _stacks(trial: EffectTrial) -> None:
@@ -207,7 +212,10 @@ def _compare_stack(call: Call, stacked: Effect, effects: Sequence[Effect], rank:
         for several, one in zip(together, numbers, strict=True):
             wide = np.broadcast_to(several, np.broadcast_shapes(several.shape, (len(effects), *(1,) * rank)))
             if not np.allclose(wide[k], one, rtol=SAME, atol=1e-12, equal_nan=True):
-                raise BrokenRule("several robots at once, with arrays in the parameters, give other results than one")
+                raise BrokenRule(
+                    "several robots at once, with arrays in the parameters, give other results than one: compute with "
+                    "NumPy, without if"
+                )
 
 
 def _rows(trial: EffectTrial) -> None:
@@ -218,7 +226,9 @@ def _rows(trial: EffectTrial) -> None:
         for row in (0, len(first) - 1):
             for whole, one in _pairs(call.result, trial.start.apply(*frozen(rows_of(call.arguments, row)))):
                 if not np.allclose(whole[row], one[0], rtol=SAME, atol=1e-12, equal_nan=True):
-                    raise BrokenRule("one row alone gives another result than among all rows")
+                    raise BrokenRule(
+                        "one row alone gives another result than among all rows: use no sum or mean over rows"
+                    )
 
 
 def _acts(trial: EffectTrial) -> None:
@@ -229,7 +239,10 @@ def _acts(trial: EffectTrial) -> None:
             if name in silent and not cannot_drive and not equal(trial.read(place, changed), trial.at_start[place]):
                 del silent[name]
     if silent:
-        raise BrokenRule(f"{', '.join(silent)}: no value changes a reading, with the other numbers at their start")
+        raise BrokenRule(
+            f"{', '.join(silent)}: no value changes a reading, with the other numbers at their start: use it in apply, "
+            "or remove it"
+        )
 
 
 def _steps(trial: EffectTrial) -> None:
@@ -255,18 +268,20 @@ def _distinct(trial: EffectTrial) -> None:
 
 
 RULES: tuple[Rule[EffectTrial], ...] = (
-    Rule("texts", "cause and excitation say in words where it comes from and what shows it; setups is given", _texts),
+    Rule(
+        "texts", "cause and excitation state in words where it comes from and what shows it; setups is stated", _texts
+    ),
     Rule("bounds", "bounds are finite, in order, and hold null and start", _bounds),
     Rule("units", "every number has a unit, which its name ends with", _units),
     Rule("settings", "a robot file takes values up to the bounds and refuses others; JSON reads back equal", _settings),
-    Rule("form", "apply returns what it was given first, changed, in the same form and shape", _form),
+    Rule("form", "apply returns its first argument, changed, with the same type and shape", _form),
     Rule("null", "at its null values it changes no bit, in PyBullet, in the twin and on the benches", _null),
     Rule("start", "at its start values it changes a reading", _start),
     Rule("pure", "the same arguments give the same result, and apply changes none of them", _pure),
     Rule("repeats", "the same experiment gives the same bytes", _repeats),
     Rule("finite", "results are finite for all values up to the bounds", _finite),
-    Rule("rows", "one row of an array gives what all rows give at once", _rows),
-    Rule("stacks", "many robots at once, as in a fit, give what each gives alone", _stacks),
+    Rule("rows", "one row of an array alone gives the same result as among all rows", _rows),
+    Rule("stacks", "many robots at once, as in a fit, give the same results as each alone", _stacks),
     Rule("acts", "each number changes a reading", _acts),
     Rule("steps", "with time steps of half the length, its effect on the motion is the same", _steps),
     Rule("distinct", "no shipped effect of its slot does the same to all readings", _distinct),
