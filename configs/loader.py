@@ -94,13 +94,13 @@ class LoadedScenario:
     def single_routes(self) -> Mapping[str, SingleRoute]:
         """The scenario with each of its routes alone, by the name of the route."""
         shared: dict[FieldPath, FieldDistribution] = {}
-        of_route: list[dict[FieldPath, FieldDistribution]] = [{} for _ in self.routes]
+        by_route: list[dict[FieldPath, FieldDistribution]] = [{} for _ in self.routes]
         for path, item in self.distributions.items():
             match path:
                 case "routes", int(index), "arena", *rest:
-                    of_route[index][(ARENA, *rest)] = item
+                    by_route[index][(ARENA, *rest)] = item
                 case "routes", int(index), *rest:
-                    of_route[index][("routes", 0, *rest)] = item
+                    by_route[index][("routes", 0, *rest)] = item
                 case _:
                     shared[path] = item
         elsewhere = {path: item for path, item in shared.items() if path[0] != ARENA}
@@ -109,7 +109,7 @@ class LoadedScenario:
         assert routes is not None  # noqa: S101 - the schema demands it
         for index, (route, (_, node)) in enumerate(zip(self.routes, routes.children(), strict=True)):
             has_own = arena_path(self.root, index) != (ARENA,)
-            distributions = ChainMap(of_route[index], elsewhere if has_own else shared)
+            distributions = ChainMap(by_route[index], elsewhere if has_own else shared)
             singles[route.name] = SingleRoute(index, single_route_root(self.root, node), distributions)
         return singles
 

@@ -113,13 +113,13 @@ def _section(kinds: tuple[tuple[str, str, type[SensorSettings]], ...]) -> type[S
     """
     models: dict[str, Any] = {}
     for kind, title, settings in kinds:
-        of_kind: Any = (Literal[kind], Field(default=kind, description="Kind of the sensor."))
-        models[kind] = create_model(title, __base__=settings, __doc__=settings.__doc__, kind=of_kind)
-    of_any_kind = Union[tuple(models.values())]  # noqa: UP007 - the kinds are known only now
+        kind_field: Any = (Literal[kind], Field(default=kind, description="Kind of the sensor."))
+        models[kind] = create_model(title, __base__=settings, __doc__=settings.__doc__, kind=kind_field)
+    any_settings = Union[tuple(models.values())]  # noqa: UP007 - the kinds are known only now
     if len(models) > 1:
-        of_any_kind = Annotated[of_any_kind, Field(discriminator="kind")]
+        any_settings = Annotated[any_settings, Field(discriminator="kind")]
     by_name = {kind: model for kind, model in models.items() if kind not in TAKEN_NAMES}
-    annotations: dict[str, Any] = {"__pydantic_extra__": dict[str, of_any_kind | None]}
+    annotations: dict[str, Any] = {"__pydantic_extra__": dict[str, any_settings | None]}
     content: dict[str, Any] = {
         "__annotations__": annotations | {kind: model | None for kind, model in by_name.items()},
         "__doc__": "Sensors by name. If the name is one of the kinds below, it is a sensor of this kind; otherwise"

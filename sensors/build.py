@@ -26,8 +26,8 @@ def build_sensors(
         InputError: The class of a sensor of `robot.sensors` is not loaded.
     """
     listed = list(_listed(robot))
-    of_every_robot = (kind for kind in SENSORS.classes() if not kind.is_listed())
-    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in of_every_robot}
+    standard_kinds = (kind for kind in SENSORS.classes() if not kind.is_listed())
+    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in standard_kinds}
     built |= {name: kind(settings, arena, physics_hz, rng_of(name)) for name, kind, settings in listed}
     return {name: sensor for name, sensor in built.items() if sensor is not None}
 

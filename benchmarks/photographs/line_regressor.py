@@ -33,7 +33,7 @@ BOOTSTRAP = 1000
 
 @dataclass(frozen=True)
 class Figures:
-    """Of the distances |found - true| [px] of one method in one set of images."""
+    """Figures of the distances [px] between the detected and the true line, for one method in one set of images."""
 
     median_px: float
     median_low_px: float

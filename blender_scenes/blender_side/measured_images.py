@@ -30,7 +30,7 @@ class _Measured:
         self.references: list[FloatImage] = []
         """Linear light (H, W, 3) of the pinhole image."""
         self.light: FloatImage | None = None
-        """The same from the candidate that is measured; None if it has not rendered this image."""
+        """Linear light (H, W, 3) of the candidate that is measured; None if it has not rendered this image."""
 
 
 class Probe:

@@ -32,12 +32,14 @@ def local_lines(values: FloatImage, guide: FloatImage, weight: FloatImage) -> Fl
     around = cv2.GaussianBlur(moments, (0, 0), _SPREAD_PX, borderType=cv2.BORDER_REPLICATE)
     total = around[..., :1]
     means = around[..., 1:] / np.maximum(total, _MIN_WEIGHT)
-    mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
+    mean, square, mean_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
     # Weighted least squares around each pixel: the slope is covariance by variance. The added variance makes it 0
     # where the guide is constant.
-    slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
+    slope = (product - mean * mean_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
     known = total > _MIN_WEIGHT
-    return np.concatenate([np.where(known, slope, 0), np.where(known, of_values + slope * (guide - mean), values)], -1)
+    return np.concatenate(
+        [np.where(known, slope, 0), np.where(known, mean_values + slope * (guide - mean), values)], -1
+    )
 
 
 def no_brighter_than_around(light: FloatImage, known: FloatImage) -> FloatImage:

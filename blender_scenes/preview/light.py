@@ -66,7 +66,7 @@ def from_all_around(panels: Sequence[LightPanel], scene: Triangles, colors: Arra
     return flux / (2 * (x * y + y * z + z * x)) * rho / (1 - rho)
 
 
-def of_the_sky(sky: Sky) -> Array:
+def from_sky(sky: Sky) -> Array:
     """Return the mean radiance (3,) of the sky; the panorama itself is a file of Blender."""
     mean = np.array(mean_of_sky(sky))
     grey = mean @ LUMINANCE

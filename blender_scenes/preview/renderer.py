@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.albedo import albedo
-from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
+from blender_scenes.preview.light import from_all_around, from_panels, from_sky, from_sun
 from blender_scenes.preview.rasteriser import Ints, VisibleTriangles, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
@@ -66,7 +66,7 @@ class FlatRenderer:
         X_WC = np.array(view.X_WC)
         seen = rasterise(camera, X_WC, triangles)
         hit = np.flatnonzero(seen.triangle >= 0)
-        sky = of_the_sky(self._job.scene.sky)
+        sky = from_sky(self._job.scene.sky)
         light = np.tile(sky.astype(np.float32), (camera.height_px * camera.width_px, 1))
         light[hit] = self._reflectance(triangles, seen, hit) * self._illuminance(camera, X_WC, triangles, seen, hit).T
         return light.reshape(camera.height_px, camera.width_px, 3)

@@ -105,11 +105,7 @@ def render_job(
             threads=threads,
             user_files=str(user_files or ""),
         )
-        pixels = job.camera.width_px * job.camera.height_px
-        samples = LADDER[-1].samples if job.sampling.probe else job.sampling.samples
-        patience_s = _PATIENCE_S + _PATIENCE_PER_SAMPLE_S * pixels * samples
-        start_s = 0.0 if job.sampling.device == "CPU" else _START_ON_A_CARD_S
-        for file in _blender_files(request, patience_s, start_s, on_begin or (lambda _number: None)):
+        for file in _blender_files(request, job, on_begin or (lambda _number: None)):
             ledger.add(replace(file, cpu=cpu))
             whole[file.file] = file
             left[file.number].discard(file.file)
@@ -124,12 +120,16 @@ def seed_of(job_path: Path, work: Work) -> int:
 
 
 def _blender_files(
-    request: RenderRequest, patience_s: float, start_s: float, on_begin: Callable[[int], None]
+    request: RenderRequest, job: RenderJob | AnnotationJob, on_begin: Callable[[int], None]
 ) -> Iterator[FrameFile]:
     """Yield the finished files of a Blender process, which ends with the iteration.
 
-    It is also ended if it takes more than `patience_s` for a frame, or more than `start_s` before the first one.
+    It is also ended if it takes too long for a frame, or before the first one.
     """
+    pixels = job.camera.width_px * job.camera.height_px
+    samples = LADDER[-1].samples if job.sampling.probe else job.sampling.samples
+    patience_s = _PATIENCE_S + _PATIENCE_PER_SAMPLE_S * pixels * samples
+    start_s = 0.0 if job.sampling.device == "CPU" else _START_ON_A_CARD_S
     with scratch_folder() as scratch:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.blender_side"]
         environment = {**without_blender_settings(os.environ), "TMPDIR": str(scratch), SCRATCH: str(scratch)}

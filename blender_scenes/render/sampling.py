@@ -127,15 +127,15 @@ def _samples(render: Render) -> int:
     Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480; this is not extrapolated.
     """
     samples = QUALITIES[render.quality].samples
-    return samples if render.quality == "reference" else _of_size(samples, render)
+    return samples if render.quality == "reference" else _for_size(samples, render)
 
 
 def hybrid_samples(render: Render) -> HybridSamples:
     """Return the samples of hybrid rendering; only those of the surfaces depend on the image's size."""
     samples = HYBRID_QUALITIES[render.quality]
-    return replace(samples, surfaces=_of_size(samples.surfaces, render))
+    return replace(samples, surfaces=_for_size(samples.surfaces, render))
 
 
-def _of_size(samples: int, render: Render) -> int:
+def _for_size(samples: int, render: Render) -> int:
     times = math.sqrt(_SIZE_PX / (render.width_px * render.height_px))
     return math.ceil(samples * min(max(times, 1.0), _MAX_TIMES))

@@ -56,11 +56,11 @@ def _covariances(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDAr
     count, height, width, colours = values.shape
     size = [cv2.getOptimalDFTSize(length + _REACH_PX) for length in (height, width)]
     spectra = np.fft.rfft2(values, size, axes=(1, 2))
-    of_each = np.sum(np.abs(spectra) ** 2, axis=(0, 3))
-    of_sum = np.sum(np.abs(spectra.sum(axis=0)) ** 2, axis=-1)
+    power_of_each = np.sum(np.abs(spectra) ** 2, axis=(0, 3))
+    power_of_sum = np.sum(np.abs(spectra.sum(axis=0)) ** 2, axis=-1)
     near = np.ix_(*2 * [np.arange(-_REACH_PX, _REACH_PX + 1)])
-    noise = np.fft.irfft2((of_each - of_sum / count) / (count - 1), size)[near]
-    error = np.fft.irfft2((of_sum - of_each) / (count * (count - 1)), size)[near]
+    noise = np.fft.irfft2((power_of_each - power_of_sum / count) / (count - 1), size)[near]
+    error = np.fft.irfft2((power_of_sum - power_of_each) / (count * (count - 1)), size)[near]
     return noise / (height * width * colours), error / (height * width * colours)
 
 

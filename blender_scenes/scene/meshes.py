@@ -65,10 +65,10 @@ def triangle_body(name: str, box: Box, body: TriangleMesh, surface: str) -> Mesh
     """Return an obstacle of triangles at its place."""
     c, s = float(np.cos(box.yaw_rad)), float(np.sin(box.yaw_rad))
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return of_triangles(name, body, turn, (*box.center[:2], box.center[2] - 0.5 * box.size[2]), surface)
+    return mesh_of_triangles(name, body, turn, (*box.center[:2], box.center[2] - 0.5 * box.size[2]), surface)
 
 
-def of_triangles(name: str, body: TriangleMesh, turn: Array, base: Point3, surface: str) -> Mesh:
+def mesh_of_triangles(name: str, body: TriangleMesh, turn: Array, base: Point3, surface: str) -> Mesh:
     """Return triangles, turned by `turn` (3, 3) and moved to `base`; u and v lie along the flattest axes of a face."""
     corners = body.vertices[body.triangles]
     steepest = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).argmax(axis=1)

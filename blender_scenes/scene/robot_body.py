@@ -7,7 +7,7 @@ import numpy as np
 
 from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.scene.description import Mesh
-from blender_scenes.scene.meshes import block, of_triangles, wheel
+from blender_scenes.scene.meshes import block, mesh_of_triangles, wheel
 from blender_scenes.scene.shading import Surface
 from configs.schema.robot import Chassis, Drive, RobotBody, RobotConfig, TofMounts
 from symolo.arena.mesh import unpacked
@@ -20,9 +20,9 @@ _DRAWN_LENGTH_M = 0.18
 
 
 def robot_surfaces(robot: RobotConfig) -> tuple[Surface, ...]:
-    of_body = (moulded("robot_body", robot.body.color, 0.5),) if robot.body else ()
+    body_surfaces = (moulded("robot_body", robot.body.color, 0.5),) if robot.body else ()
     return (
-        *of_body,
+        *body_surfaces,
         moulded("robot_plate", (0.03, 0.03, 0.035), 0.4),
         moulded("robot_rubber", (0.02, 0.02, 0.02), 0.8),
         moulded("robot_board", (0.02, 0.08, 0.03), 0.4),
@@ -38,7 +38,9 @@ def robot_body(robot: RobotConfig) -> tuple[Mesh, ...]:
 
 
 def _body_of(body: RobotBody) -> Mesh:
-    return of_triangles("robot_body", unpacked(body.mesh.packed), np.eye(3), (body.x_m, 0.0, body.z_m), "robot_body")
+    return mesh_of_triangles(
+        "robot_body", unpacked(body.mesh.packed), np.eye(3), (body.x_m, 0.0, body.z_m), "robot_body"
+    )
 
 
 def _chassis(chassis: Chassis, drive: Drive) -> Iterator[Mesh]:

@@ -39,7 +39,11 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     in_own_frames = [replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0) for box in arena.moving]
     moving = [_box(box, look, seed) for box in in_own_frames]
     lights = [light(look, room) for light in LIGHTS.values()]
-    surfaces = [s for _, of_mesh in parts + moving for s in of_mesh] + list(room.surfaces) + list(robot_surfaces(robot))
+    surfaces = (
+        [s for _, mesh_surfaces in parts + moving for s in mesh_surfaces]
+        + list(room.surfaces)
+        + list(robot_surfaces(robot))
+    )
     surfaces += [surface for light in lights for surface in light.surfaces]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]

@@ -66,8 +66,8 @@ def check_splits(scenario: Scenario, root: Node) -> None:
 def check_distributions(distributions: Mapping[FieldPath, FieldDistribution], root: Node) -> None:
     """Refuse distributions whose ends are valid while nearly all draws are not."""
     for path, item in distributions.items():
-        of_sensor = path[0] == "robot" and (len(path) == 3 or path[1] == "sensors")
-        timing = of_sensor and path[-1] in {"period_s", "delay_s"}
+        is_sensor = path[0] == "robot" and (len(path) == 3 or path[1] == "sensors")
+        timing = is_sensor and path[-1] in {"period_s", "delay_s"}
         if timing and not isinstance(item.distribution, Choice):
             allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
             raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)

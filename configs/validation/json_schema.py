@@ -43,7 +43,7 @@ _SCALE = {
     "description": "Factor on all lengths of what it extends; masses, motors, speeds and gains follow from it.",
 }
 _FOLDER_OF_MESHES = "Folder of your meshes, relative to the YAML file that names it."
-_OF_POSTERIOR = tuple(
+_POSTERIOR_SECTIONS = tuple(
     model.__name__
     for model in (LoadedPosterior, RobotHypothesis, FixedField, FittedNumber, MeasuredRange, ChannelNoise)
 )
@@ -81,7 +81,7 @@ def scenario_json_schema() -> dict[str, Any]:
         {"type": "object", "description": "the whole posterior, as the scenario of a published dataset has it"}
     )
     top["properties"]["like"] = {"anyOf": named, "description": top["properties"]["like"]["description"]}
-    for name in ("CodeFile", *_OF_POSTERIOR):
+    for name in ("CodeFile", *_POSTERIOR_SECTIONS):
         definitions.pop(name, None)
     for kind in SECTIONS:
         field = shape.schema["properties"][kind]

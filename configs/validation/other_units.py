@@ -67,11 +67,11 @@ def other_unit(field: str, got: float, low: float, high: float) -> str:
             if suspicious and field == "period_s" and low <= 1.0 / got <= high:
                 fitting.append(f"a rate of {got:g} Hz is {1.0 / got:.4g}")
             return f"is it {each.words}? {', '.join(fitting)}" if suspicious and fitting else ""
-    fitting = [] if _HAS_UNIT.search(field) else list(_of_factor(field, got, low, high))
+    fitting = [] if _HAS_UNIT.search(field) else list(_units_by_factor(field, got, low, high))
     return f"is it {' '.join(fitting)}" if fitting else ""
 
 
-def _of_factor(field: str, got: float, low: float, high: float) -> Iterator[str]:
+def _units_by_factor(field: str, got: float, low: float, high: float) -> Iterator[str]:
     """Yield what a number without a unit may be: a part or factor in per cent, or the deviation of a factor from 1."""
     in_per_cent = f"{got:g} % are {0.01 * got:.6g}"
     if re.search(r"(^|_)scale$", field) and 0.0 < low < 1.0 < high:

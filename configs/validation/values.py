@@ -34,14 +34,14 @@ class FieldDistribution:
     def draw(self, rng: np.random.Generator) -> Scalar:
         if self.is_integer and not isinstance(self.distribution, Choice):
             return self.distribution.draw_integer(rng)
-        return self._of_field(self.distribution.draw(rng))
+        return self._in_field_type(self.distribution.draw(rng))
 
     def ends(self) -> tuple[Scalar, ...]:
         """Return the values at which the schema's constraints are checked, from lowest to highest."""
-        ends = [self._of_field(end) for end in self.distribution.extremes()]
+        ends = [self._in_field_type(end) for end in self.distribution.extremes()]
         return tuple(sorted(ends, key=lambda end: (isinstance(end, str), end)))
 
-    def _of_field(self, value: Scalar) -> Scalar:
+    def _in_field_type(self, value: Scalar) -> Scalar:
         """Return a value in the type of the field: float for a number, int for a whole number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             return value

@@ -25,7 +25,7 @@ class DiscoveredLaw:
     """A law, which describes what no listed effect explains."""
 
     form: LawForm
-    """Its form; the starts of its numbers are the fitted values."""
+    """Form of the law, whose numbers start at the fitted values."""
     without: HypothesisFit
     """The fit with the named effects and without the law."""
     values: Mapping[str, float]

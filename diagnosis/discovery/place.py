@@ -27,9 +27,9 @@ class SlotCovariate:
     name: str
     """Name among the covariates of the stage."""
     word: str
-    """Name in that of an effect."""
+    """Word for it in the name of an effect."""
     words: str
-    """Name in a sentence."""
+    """Words for it in a sentence, with the unit."""
     unit: str
     expression: str
     """The quantity in the code of an effect."""
@@ -64,7 +64,7 @@ class LawPlace:
 
     slot: Slot
     prefix: str
-    """Beginning of the names of its laws."""
+    """Beginning of the names of the laws in this slot."""
     noun: str
     """What a law changes, in a sentence."""
     first: str
@@ -93,7 +93,7 @@ class LawPlace:
 
     @property
     def name(self) -> str:
-        """Beginning of the names of its laws, with the member."""
+        """Beginning of the names of the laws in this slot, with the member."""
         return f"{self.member}_{self.prefix}" if self.member else self.prefix
 
     def at(self, member: str, share: str, noun: str, *names: str, imports: tuple[str, ...] = ()) -> "LawPlace":

@@ -39,9 +39,9 @@ class PoseByTicks:
     pose_theta_rad: float
     """Standard deviation of the noise of theta_rad in one row [rad]."""
     span_m_per_tick: float
-    """The same as `m_per_tick` over SPAN_S: less exact on curves, and right for a tracker that holds its poses."""
+    """Metres per tick over SPAN_S: less exact on curves, and right for a tracker that holds its poses."""
     span_rad_per_tick: float
-    """The same as `rad_per_tick` over SPAN_S."""
+    """Radians per tick over SPAN_S."""
     forward_share: float
     """Share of the squares of the distances over SPAN_S that the ticks explain."""
     turn_share: float

@@ -22,7 +22,7 @@ class RoomRanges:
     incidence_rad: Array
     """Angle between the axis and the normal of the wall, from 0."""
     tilt_rad: Array
-    """The same angle with its sign, positive if the axis is turned to the left of the normal."""
+    """Angle between the axis and the normal with its sign, positive if the axis is turned to the left of the normal."""
     wall: NDArray[np.int64]
     """Index of the wall in WALLS."""
     by_x: Array

@@ -81,7 +81,7 @@ def _fitted(rows: _Motion, result: dict[str, float], known: dict[str, float], *,
 def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None:
     if measurement.kind is CaseKind.DRIVE_LOG:
         per_tick = 2.0 * np.pi / known["ticks_per_turn"]
-        parts = [_of_wheel(measurement, side, per_tick) for side in ("left", "right")]
+        parts = [_wheel_rows(measurement, side, per_tick) for side in ("left", "right")]
         u, w, a = (np.concatenate(columns) for columns in zip(*parts, strict=True))
         current = None
     else:
@@ -98,7 +98,7 @@ def _moving(measurement: Measurement, known: dict[str, float]) -> _Motion | None
     return _Motion(u[usable], w[usable], a[usable], None if current is None else current[usable])
 
 
-def _of_wheel(measurement: Measurement, side: str, per_tick: float) -> tuple[Array, Array, Array]:
+def _wheel_rows(measurement: Measurement, side: str, per_tick: float) -> tuple[Array, Array, Array]:
     """Return voltage, speed and acceleration from each row to the next."""
     parts = []
     for trial in measurement.trials:

@@ -37,7 +37,7 @@ def left_out_notes(rows: Sequence[int], where: str) -> Iterator[str]:
         yield f"left out, because the voltage of their only row is not known: {plural(single, 'trial')}"
 
 
-def of_other_rows(
+def held_by_other_rows(
     t_s: Array, values: Mapping[str, Array], names: Collection[str], kind: CaseKind
 ) -> tuple[Array, dict[str, Array]]:
     """Return times and columns of a trial with the voltages in the rows in which the kind has them.

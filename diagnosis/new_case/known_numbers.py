@@ -77,12 +77,12 @@ def numbers_of(measurement: Measurement) -> tuple[KnownNumber, ...]:
         case CaseKind.MOTOR_STEP:
             return (*_MOTOR, _INERTIA)
         case CaseKind.DRIVE_LOG:
-            return tuple(_of_drive(measurement))
+            return tuple(_drive_numbers(measurement))
         case _:
             return ()
 
 
-def _of_drive(measurement: Measurement) -> Sequence[KnownNumber]:
+def _drive_numbers(measurement: Measurement) -> Sequence[KnownNumber]:
     numbers: list[KnownNumber] = []
     has_pose = measurement.has("x_m", "y_m", "theta_rad")
     if measurement.has("enc_left_ticks", "enc_right_ticks"):

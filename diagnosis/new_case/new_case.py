@@ -80,10 +80,10 @@ class NewCase:
     def compared(self) -> list[str]:
         """Return one sentence for each comparison that the diagnosis can or cannot make."""
         if self.measurement.kind is not CaseKind.DRIVE_LOG:
-            return list(self._of_bench())
-        return list(self._of_drive())
+            return list(self._bench_comparisons())
+        return list(self._drive_comparisons())
 
-    def _of_bench(self) -> Sequence[str]:
+    def _bench_comparisons(self) -> Sequence[str]:
         names = {
             CaseKind.MOTOR_STEADY: ("current_A", "omega_rad_s"),
             CaseKind.MOTOR_STEP: ("current_A", "omega_rad_s"),
@@ -94,7 +94,7 @@ class NewCase:
             *(f"not compared: {name}, because it was not logged" for name in names if name not in logged),
         ]
 
-    def _of_drive(self) -> Sequence[str]:
+    def _drive_comparisons(self) -> Sequence[str]:
         lines = []
         for title, needs in _STAGES.items():
             lacking = [name for channels, name in needs if not self.measurement.has(*channels)]

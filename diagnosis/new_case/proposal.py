@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
-from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, of_wheels
+from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, wheel_columns
 from logs.columns.combined import stamp_columns
 from logs.columns.drive import COUNTED
 from logs.columns.missing import missing
@@ -65,14 +65,14 @@ def stated_units(settings: Sequence[str], kind: CaseKind | None = None) -> dict[
 def _by_quantity(settings: Sequence[str], option: str, form: str, kind: CaseKind | None) -> dict[str, str]:
     """Return the texts behind the equals signs of settings of an option, by the quantity before it."""
     names = sorted({name for one in KINDS for name in KINDS[one].names if kind in {None, one}})
-    of_kind = f"a {kind}" if kind else "a log"
+    log_kind = f"a {kind}" if kind else "a log"
     chosen: dict[str, str] = {}
     for text in settings:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise InputError(option, got=text, allowed=form)
         if name not in names:
-            what = f"{option}: no quantity of {of_kind}"
+            what = f"{option}: no quantity of {log_kind}"
             raise InputError(what, got=name, allowed=", ".join(names), nearest=nearest(name, names))
         if name in chosen:
             cure = f"name one {'column' if option == COLUMN_OPTION else 'unit'} for each quantity"
@@ -142,17 +142,17 @@ def propose(
     if kind in {None, CaseKind.DRIVE_LOG}:
         _check_wheels(log, chosen)
     faults = FaultList()
-    of_kind = kind or _kind(log, chosen)
-    columns = KINDS[of_kind].matched(list(log.columns), chosen)
+    log_kind = kind or _kind(log, chosen)
+    columns = KINDS[log_kind].matched(list(log.columns), chosen)
     for name in (name for name in units if name not in columns):
         cure = f"name it with {COLUMN_OPTION} {name}=COLUMN, or leave the unit out"
         with faults.noted():
             raise InputError(f"no column was recognised as {name}", where=f"{UNIT_OPTION} {name}", cure=cure)
-    if kind is None and of_kind in _MOTORS and "t_s" in columns:
+    if kind is None and log_kind in _MOTORS and "t_s" in columns:
         with faults.noted():
-            of_kind = _of_motor(log, columns["t_s"], units.get("t_s", ""))
+            log_kind = _motor_kind(log, columns["t_s"], units.get("t_s", ""))
     with faults.noted():
-        proposal = propose_as(log, KINDS[of_kind], supply_V, chosen=chosen, units=units)
+        proposal = propose_as(log, KINDS[log_kind], supply_V, chosen=chosen, units=units)
     faults.check()
     front = proposal.mapping.columns.get("tof_front_m", Source()).column
     if front in {"", "tof_front_m", chosen.get("tof_front_m")} or SIDES & set(taken_apart(front).words):
@@ -169,7 +169,7 @@ def _check_wheels(log: LogFile, chosen: Mapping[str, str]) -> None:
     """
     if all(name in chosen for name in COUNTED):
         return
-    others = of_wheels([name for name in log.columns if name not in chosen.values()])
+    others = wheel_columns([name for name in log.columns if name not in chosen.values()])
     wheels = [column for column in others if _side(column) not in chosen]
     wheels += [chosen[name] for name in COUNTED if name in chosen]
     if len(wheels) > 2:
@@ -199,8 +199,8 @@ def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
     fitting = [kind for kind in KINDS if KINDS[kind].suffices(columns_of_kind[kind])]
     closest = max(KINDS, key=lambda kind: len(columns_of_kind[kind]))
     if not fitting and len(columns_of_kind[closest]) > 1:
-        of_motor = replace(KINDS[CaseKind.MOTOR_STEADY], name=" or ".join(_MOTORS))
-        raise missing(log, of_motor if closest in _MOTORS else KINDS[closest], columns_of_kind[closest])
+        any_motor = replace(KINDS[CaseKind.MOTOR_STEADY], name=" or ".join(_MOTORS))
+        raise missing(log, any_motor if closest in _MOTORS else KINDS[closest], columns_of_kind[closest])
     if not fitting:
         line = f'`t_s: {{column: "{next(iter(log.columns))}"}}`'
         raise InputError(
@@ -216,7 +216,7 @@ def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
     return CaseKind.MOTOR_STEADY if best in _MOTORS else best
 
 
-def _of_motor(log: LogFile, column: str, unit: str) -> CaseKind:
+def _motor_kind(log: LogFile, column: str, unit: str) -> CaseKind:
     """Return whether the rows of a motor's log are samples against time or steady states, by the time between them.
 
     Args:

@@ -128,7 +128,7 @@ KINDS: Mapping[CaseKind, LogKind] = MappingProxyType(
 """Kinds in the order in which they are tried."""
 
 
-def of_wheels(names: Sequence[str]) -> list[str]:
+def wheel_columns(names: Sequence[str]) -> list[str]:
     """Return the columns of a log that seem to be counts of encoders, of wheels on any side or with numbers."""
     return [name for name in names if _is_of_wheel(taken_apart(name))]
 

@@ -16,7 +16,7 @@ from diagnosis.measured.case_files.case_format import (
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.zero_order_hold import held_means
-from diagnosis.new_case.held_rows import held_otherwise, left_out_notes, of_other_rows
+from diagnosis.new_case.held_rows import held_by_other_rows, held_otherwise, left_out_notes
 from diagnosis.new_case.input_reach import input_faults, missing_inputs
 from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
@@ -94,7 +94,7 @@ def measurement_of(log: LogFile, mapping: LogMapping, name: str) -> Measurement:
     names = held_otherwise(mapping, kind)
     if names:
         notes += left_out_notes([len(part.t_s) for part in parts], str(log.path))
-        parts = [_Rows(*of_other_rows(part.t_s, part.values, names, kind)) for part in parts if len(part.t_s) > 1]
+        parts = [_Rows(*held_by_other_rows(part.t_s, part.values, names, kind)) for part in parts if len(part.t_s) > 1]
     elif kind is CaseKind.MOTOR_STEP:
         parts = _from_first_motion(parts, notes)
     if kind in IN_TIME:

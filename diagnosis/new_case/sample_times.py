@@ -72,10 +72,10 @@ def are_even(stamps_s: Sequence[Array], even_s: Sequence[Array], columns: Sequen
         columns: (N,) values of each trial and column; every trial has the same columns.
     """
     log_ratios = []
-    for of_trials in zip(*columns, strict=True):
-        against_stamps = sum(map(_roughness, stamps_s, of_trials))
-        against_even = sum(map(_roughness, even_s, of_trials))
-        rounding = ROUNDING * sum(float(np.nansum(np.abs(values))) for values in of_trials)
+    for trial_values in zip(*columns, strict=True):
+        against_stamps = sum(map(_roughness, stamps_s, trial_values))
+        against_even = sum(map(_roughness, even_s, trial_values))
+        rounding = ROUNDING * sum(float(np.nansum(np.abs(values))) for values in trial_values)
         if max(against_even, against_stamps) > rounding:
             log_ratios.append(np.log((against_even + rounding) / (against_stamps + rounding)))
     return bool(log_ratios) and bool(np.mean(log_ratios) < np.log(SMOOTHER))

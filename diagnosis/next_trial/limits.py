@@ -15,9 +15,9 @@ ROW_S = 3.0
 """Time of a row if that of the case is not known."""
 ALWAYS = ("--seconds", "--rows", "--row-seconds")
 """Options of `symolo next` that every kind of case uses."""
-OF_MOTORS = ("--max-voltage", "--one-direction")
-OF_RANGES = ("--distances",)
-OF_DRIVES = ("--floor", "--max-speed")
+MOTOR_OPTIONS = ("--max-voltage", "--one-direction")
+RANGE_OPTIONS = ("--distances",)
+DRIVE_OPTIONS = ("--floor", "--max-speed")
 MIN_ROWS = 2
 MAX_ROWS = 400
 RUN_S = 3.0
@@ -86,7 +86,7 @@ def limits_of(
         InputError: A limit leaves no trial, or has no meaning for such data.
     """
     template = template_of(measurement)
-    names = (*OF_MOTORS, *OF_RANGES, *OF_DRIVES)
+    names = (*MOTOR_OPTIONS, *RANGE_OPTIONS, *DRIVE_OPTIONS)
     numbers = (max_voltage_V, one_direction or None, distances_m, floor_m, max_speed_m_s)
     _check_used(template.kind, [name for name, value in zip(names, numbers, strict=True) if value is not None])
     row_s = row_s or _row_s(template, seconds or SECONDS)
@@ -146,7 +146,7 @@ def _drive_limits(
 
 def _check_used(kind: CaseKind, options: Sequence[str]) -> None:
     """Refuse options that a kind of case does not use."""
-    used = (*ALWAYS, *{CaseKind.TOF_BENCH: OF_RANGES, CaseKind.DRIVE_LOG: OF_DRIVES}.get(kind, OF_MOTORS))
+    used = (*ALWAYS, *{CaseKind.TOF_BENCH: RANGE_OPTIONS, CaseKind.DRIVE_LOG: DRIVE_OPTIONS}.get(kind, MOTOR_OPTIONS))
     for option in options:
         if option not in used:
             raise InputError(f"{option} is not used for a case of kind {kind}", allowed=", ".join(used))

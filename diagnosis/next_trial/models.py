@@ -69,8 +69,8 @@ def predicted_units(diagnosis: Diagnosis, models: Sequence[RemainingModel], meas
         before = np.eye(len(slopes))
         before[: hypothesis.size, : hypothesis.size] = model.fit.information
         place = np.arange(len(slopes))
-        of_effects = (place >= len(hypothesis.nuisances)) & (place < hypothesis.size)
-        predicted.append(ModelOfUnits((mean / sd)[rows], slopes, before, model.weight, of_effects))
+        is_effect = (place >= len(hypothesis.nuisances)) & (place < hypothesis.size)
+        predicted.append(ModelOfUnits((mean / sd)[rows], slopes, before, model.weight, is_effect))
     return PredictedUnits(evidence, rows, sd[rows], tuple(predicted))
 
 

@@ -32,7 +32,7 @@ class ModelOfUnits:
     """(P, P), information of the old data and of the tolerances about the parameters."""
     weight: float
     """Weight of the model among all models; the weights have the sum 1."""
-    of_effects: NDArray[np.bool_]
+    is_effect: NDArray[np.bool_]
     """(P,), parameters of effects; the others are nominal parameters."""
 
 
@@ -126,9 +126,9 @@ class UnitStatistics:
 
     def smallest(self, separations: Array) -> Array:
         """Return the smallest separation from a rival of each model as the truth, (..., models)."""
-        of_truth = np.array([truth for truth, _ in self.pairs])
+        pair_truth = np.array([truth for truth, _ in self.pairs])
         return np.stack(
-            [separations[..., of_truth == truth].min(axis=-1) for truth in range(len(self.models))], axis=-1
+            [separations[..., pair_truth == truth].min(axis=-1) for truth in range(len(self.models))], axis=-1
         )
 
     def precision(self, sums: Sums) -> Array:
@@ -139,7 +139,7 @@ class UnitStatistics:
         """
         growth: Array = np.zeros(sums.information[0].shape[:-2])
         for model, before, added in zip(self.models, self._solvable, sums.information, strict=True):
-            both = log_precision(before + added, model.of_effects) - log_precision(before, model.of_effects)
+            both = log_precision(before + added, model.is_effect) - log_precision(before, model.is_effect)
             growth = growth + model.weight * both
         return growth
 

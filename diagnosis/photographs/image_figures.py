@@ -25,7 +25,7 @@ class ImageFigures:
     """Grey values from 0 to 255 as stored."""
 
     edge_px: float
-    """Of the line, from 10 to 90 % of the step, square to the edge; median over the rows."""
+    """Width of the edge of the line, from 10 to 90 % of the step, square to the edge; median over the rows."""
     noise: float
     """Standard deviation after Immerkaer 1996, Computer Vision and Image Understanding 64, 300.
 
@@ -39,11 +39,11 @@ class ImageFigures:
     saturation_percent: float
     """Mean of (max - min) / max of the components."""
     black: float
-    """Grey value that 1 % of the image is below."""
+    """Grey value below which 1 % of the image is."""
     white: float
-    """That 1 % is above."""
+    """Grey value above which 1 % of the image is."""
     spectrum_slope: float
-    """Of the logarithm of the power by that of the frequency, from 0.03 to 0.4 cycles a pixel, all directions."""
+    """Slope of the logarithm of power over that of frequency, from 0.03 to 0.4 cycles a pixel, in all directions."""
     high_frequency_percent: float
     """Share of the power, without the mean, above 0.25 cycles a pixel."""
     jaggedness_px: float

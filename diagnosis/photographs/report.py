@@ -28,7 +28,7 @@ TITLES = {
     "jaggedness_px": "jaggedness of the line's edge [px]",
 }
 """Name of each figure for people."""
-OF_THE_CAMERA = ("edge_px", "noise", "contrast", "jaggedness_px")
+CAMERA_FIGURES = ("edge_px", "noise", "contrast", "jaggedness_px")
 """Figures that an image without texture has."""
 _COLUMNS = 4
 _CELL_PX = 320
@@ -44,7 +44,7 @@ class FigureRow:
     photographs: tuple[float, float, float]
     """Median, smallest and largest value."""
     look: tuple[float, ...]
-    """The same of rendered images, or the value of the model image, or nothing."""
+    """Median, smallest and largest value of rendered images, or the value of the model image, or nothing."""
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -60,7 +60,7 @@ def figure_rows(look: FittedLook) -> tuple[FigureRow, ...]:
         look_figures: dict[str, tuple[float, ...]] = {**medians([image.figures for image in look.rendered])}
     else:
         _, model_figures = _image_of_model(look)
-        look_figures = {name: (getattr(model_figures, name),) for name in OF_THE_CAMERA}
+        look_figures = {name: (getattr(model_figures, name),) for name in CAMERA_FIGURES}
     return tuple(FigureRow(f.name, table[f.name], look_figures.get(f.name, ())) for f in fields(ImageFigures))
 
 

@@ -63,7 +63,7 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
             listed = "items" in value
             for inner in _referred(value):
                 walk(inner, f"{path}.{key}".lstrip(".") + ("[]" if listed else ""), (*within, name))
-        for inner in _referred(_of_other_keys(section.schema)):
+        for inner in _referred(_other_keys(section.schema)):
             if inner not in sections:  # a kind that is no key
                 walk(inner, f"{path}.{OTHER_KEY}", (*within, name))
 
@@ -71,7 +71,7 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
     return sections
 
 
-def _of_other_keys(schema: Mapping[str, Any]) -> Mapping[str, Any]:
+def _other_keys(schema: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the schema of the keys that users choose themselves; empty for a section without such keys."""
     others = schema.get("additionalProperties")
     return others if isinstance(others, dict) else {}
@@ -99,7 +99,7 @@ def _section_parts(section: _Section, sections: Mapping[str, _Section]) -> Itera
     for key, value in section.schema.get("properties", {}).items():
         default = "required" if key in needed else _default(value, sections) or _nominal(section.paths, key)
         rows.append((f"`{key}`", text(_meaning(value, sections)), _allowed(key, value, sections), default))
-    if others := _of_other_keys(section.schema):
+    if others := _other_keys(section.schema):
         rows.append((f"`{OTHER_KEY}`", "any other name", _value(others, sections), ""))
     yield table(("key", "meaning", "allowed values", "default"), rows)
 

@@ -32,7 +32,7 @@ _RUN, _START = 1, 2
 
 @dataclass(frozen=True)
 class SimTwo:
-    """For users of SimTwo. A digit that changes into another one is not detected; see docs/hil_protocol.md."""
+    """Framing of SimTwo. A digit that changes into another one is not detected; see docs/hil_protocol.md."""
 
     name: str = "simtwo"
     baud: int = 115_200

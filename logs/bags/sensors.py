@@ -48,7 +48,7 @@ def sensors_of(bag: Bag, robot_frame: str, transforms: Sequence[Track]) -> BagSe
         transforms: Transforms of tf, from which the places of the sensors on the robot follow.
     """
     sensors, topics, notes = [], {}, []
-    for topic in _of_most_messages(bag.topics, notes):
+    for topic in _largest_topics(bag.topics, notes):
         name = sensor_name(topic.stream.topic, tuple(topics))
         if len(topic.t_s) < 2:
             notes.append(f"left out: {topic.stream.topic} has fewer than two messages")
@@ -75,7 +75,7 @@ def is_scan(topic: Topic) -> bool:
     return topic.stream.columns[: len(SCAN)] == SCAN
 
 
-def _of_most_messages(topics: Sequence[Topic], notes: list[str]) -> Iterator[Topic]:
+def _largest_topics(topics: Sequence[Topic], notes: list[str]) -> Iterator[Topic]:
     """Yield a stream for each topic of a sensor: that with the most messages, as scans may differ in their rays."""
     streams = [topic for topic in topics if is_imu(topic) or is_scan(topic)]
     for name in dict.fromkeys(topic.stream.topic for topic in streams):

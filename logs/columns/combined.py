@@ -9,7 +9,7 @@ _PARTS = {
     "nanoseconds": frozenset(["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds", "nanos"]),
     "microseconds": frozenset(["usec", "usecs", "microsec", "microsecs", "microsecond", "microseconds", "micros"]),
 }
-_OF_STAMP = frozenset(["header", "stamp", "stamps", "time", "timestamp", "msg", "message", "tv"])
+_STAMP_WORDS = frozenset(["header", "stamp", "stamps", "time", "timestamp", "msg", "message", "tv"])
 _QUATERNION = frozenset(["q", "quat", "quaternion", "rotation", "rot", "orientation"])
 _COMPONENTS = (*"xyzw", *"0123")
 
@@ -29,7 +29,7 @@ def stamp_columns(columns: Sequence[str], fillers: Collection[str]) -> dict[str,
     parts: dict[tuple[str, ...], tuple[str, str]] = {}
     for column in columns:
         *first, last = words_of(column) or ("",)
-        if not set(first) <= _OF_STAMP | {*fillers}:
+        if not set(first) <= _STAMP_WORDS | {*fillers}:
             continue
         if last in _SECONDS:
             seconds.setdefault(tuple(first), column)

@@ -128,7 +128,7 @@ def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Know
             f"a duty cycle in percent, times {_supply_text(kind, known.supply_V)}"
         )
     if DUTY & set(header.words) and not unit:
-        factor, reason = _of_duty(log, kind, known)
+        factor, reason = _duty_factor(log, kind, known)
         return Source(column=column, factor=factor), reason
     if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
         reason = f"taken for degrees; if a turn has 400, write unit: gon in {MAPPING}"
@@ -277,7 +277,7 @@ def _is_clockwise(header: HeaderName) -> bool:
     return bool(senses) and senses <= CLOCKWISE
 
 
-def _of_duty(log: LogFile, kind: LogKind, known: Known) -> tuple[float, str]:
+def _duty_factor(log: LogFile, kind: LogKind, known: Known) -> tuple[float, str]:
     """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
     largest = 0.0
     for column in (column for column in known.columns if DUTY & {*taken_apart(column).words}):

@@ -110,8 +110,8 @@ def _best(tracks: dict[str, Track], transforms: Sequence[Track], path: Path) -> 
     usable = [name for name, track in tracks.items() if len(track.t_s) > 1]
     robots = [name for name in usable if not _NO_POSE_OF_THE_ROBOT.search(name.lower())] or usable
     frames = robot_frames(transforms)
-    of_robot = frames and between(*frames, transforms)
-    tracks_by_rank = [*(tracks[name] for name in sorted(robots, key=rank)), *([of_robot] if of_robot else [])]
+    robot_track = frames and between(*frames, transforms)
+    tracks_by_rank = [*(tracks[name] for name in sorted(robots, key=rank)), *([robot_track] if robot_track else [])]
     if tracks_by_rank:
         names = dict.fromkeys([*(track.name for track in tracks_by_rank[1:]), *pairs(transforms)])
         return tracks_by_rank[0], [name for name in names if name != tracks_by_rank[0].name]

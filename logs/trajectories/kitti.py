@@ -33,7 +33,7 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     origin = _beside(path, ORIGIN)
     if origin is not None:
         _check_axes(settings, origin)
-        X_OB, up, forward = _of_robot(X_OB, origin), Axis.Z, Axis.X
+        X_OB, up, forward = _robot_poses(X_OB, origin), Axis.Z, Axis.X
         changes = (f"poses of the camera are turned into those of the robot with {ORIGIN} and {CALIBRATION}",)
     floor = on_floor(X_OB[:, :, 3], X_OB[:, :, :3], str(path), up=up, forward=forward)
     quantities = {"t": source, **floor.quantities}
@@ -59,7 +59,7 @@ def _check_axes(settings: ReadSettings, origin: Path) -> None:
             raise InputError(option, got=value, cure=cure)
 
 
-def _of_robot(X_C0C: Array, origin: Path) -> Array:
+def _robot_poses(X_C0C: Array, origin: Path) -> Array:
     """Return X_WR (N, 3, 4) for poses of the camera, with X_WC0 in origin.txt and Tr = X_CR in calib.txt beside it."""
     table, _ = read_pose_lines(origin, NAMES)
     X_WC0, X_CR = _whole(table[0].reshape(3, 4)), _whole(_robot_in_camera(origin.with_name(CALIBRATION)))

@@ -6,13 +6,13 @@ from logs.recognition import first_line
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from symolo.dataset.tables.rows import HEADER, MAY_BE_EMPTY, REQUIRED, WHOLE, read_rows
 
-_OWN = WHOLE
+_ONLY_SYMOLO = WHOLE
 """Columns that only SyMoLo has; without them, the units of t, x, y and theta are not certain."""
 
 
 def _recognises(path: Path) -> bool:
     names = first_line(path).split(",")
-    return {*REQUIRED} <= set(names) <= {*HEADER} and bool(_OWN & set(names))
+    return {*REQUIRED} <= set(names) <= {*HEADER} and bool(_ONLY_SYMOLO & set(names))
 
 
 def _read(path: Path, _settings: ReadSettings) -> list[LoggedTrajectory]:

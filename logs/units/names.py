@@ -63,7 +63,7 @@ _ALONE = frozenset({"ms", "us", "millis", "micros", "rpm", "seconds", "milliseco
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 NO_UNIT = frozenset({"1", "-", "[1]", "[-]", "(1)", "(-)"})
 """Ways to write in a row of units that a quantity has none."""
-_OF_COUNT = frozenset({"enc", "encoder", "encoders"})
+_ENCODER_WORDS = frozenset({"enc", "encoder", "encoders"})
 """Words of counts, beside the spellings of ticks: behind them, [1] means no unit and not the first of several."""
 _PER_SECOND = re.compile(r"[ .·*]?s(\^?-1|⁻¹)$|[/_]secs?$|[/_]seconds?$")
 """Ways to write a quotient with a second."""
@@ -122,7 +122,7 @@ def taken_apart(name: str) -> HeaderName:
         return HeaderName(words_of(match[1]), unit)
     if match and (parts := re.split(r"\s*[,;]\s*", stated)) and len(parts) > 1 and (unit := unit_of(parts[-1])):
         return HeaderName(words_of(" ".join((match[1], *parts[:-1]))), unit)  # as in `speed (left wheel, m/s)`
-    if match and match[2] == "1" and {*words_of(match[1])} & {*_SPELLINGS["ticks"], *_OF_COUNT}:
+    if match and match[2] == "1" and {*words_of(match[1])} & {*_SPELLINGS["ticks"], *_ENCODER_WORDS}:
         return taken_apart(match[1])
     if name.endswith("%") and (words := words_of(name[:-1])):
         return HeaderName(words, PERCENT)

@@ -18,9 +18,9 @@ class ShaftMotion:
     trend: float | Array
     """Last change of the commanded voltage's size: +1 if it grew, -1 if it fell."""
     x_m: float | Array = 0.0
-    """Place of the middle of the axle in W; 0 on a bench, and where it is not known."""
+    """Place of the middle of the axle along x of W; 0 on a bench, and where it is not known."""
     y_m: float | Array = 0.0
-    """The same along y."""
+    """Place of the middle of the axle along y of W."""
 
 
 def voltage_trend(command_V: Array) -> Array:

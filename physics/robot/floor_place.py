@@ -15,9 +15,9 @@ class FloorPlace:
     """All broadcast with arrays of wheels; their last axis has length 1."""
 
     x_m: float | Array
-    """Place of the middle of the axle in W."""
+    """Place of the middle of the axle along x of W."""
     y_m: float | Array
-    """The same along y."""
+    """Place of the middle of the axle along y of W."""
     time_s: float | Array
     """Time since power-on."""
 

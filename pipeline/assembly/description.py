@@ -67,7 +67,7 @@ def _layout(metadata: Metadata) -> str:
         images = f"camera images every {1000 / rates.camera_hz:g} ms ({rates.camera_hz:g} Hz), numbered from 1"
         if period_beside_rows_s(rates) is not None:
             images += ", also between rows; their times are in side/camera.csv"
-    of_images = (
+    image_text = (
         f"    <route>/test_<n>/images/000001.jpg     {images}\n"
         "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
     )
@@ -75,7 +75,7 @@ def _layout(metadata: Metadata) -> str:
     return (
         "## Layout\n\n"
         f"    <route>/test_<n>/data.csv              {rows}\n"
-        f"{of_images if any(run.images for run in metadata.runs) else ''}"
+        f"{image_text if any(run.images for run in metadata.runs) else ''}"
         "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
         f"{cameras if metadata.runs[0].cameras else ''}"
         "    metadata.json                          robot, arena, rates, seeds, every value drawn for a setting\n"

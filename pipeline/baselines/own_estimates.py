@@ -108,7 +108,7 @@ class Judgement:
 
     methods: tuple[OwnEstimates, ...]
     evaluations: Mapping[tuple[str, str], Evaluation]
-    """By name of run and method."""
+    """Evaluation by the names of run and method."""
     align: Align
     max_gap_s: float
 

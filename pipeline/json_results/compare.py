@@ -49,7 +49,7 @@ class SettingPair(JsonPart):
     a: str
     """Value or distribution in A; "nothing" without the field."""
     b: str
-    """The same in B."""
+    """Value or distribution in B; "nothing" without the field."""
 
 
 class CompareResult(JsonResult):

@@ -106,8 +106,10 @@ def _line(world: ET.Element, arena: Arena, srgb: list[RGB]) -> None:
     """
     link = _fixed(world, "line", Placement())
     strips = arena.line.strips
-    of_piece = [srgb[i] for i, strip in enumerate(strips) for _ in (strip.pieces if isinstance(strip, Chain) else (0,))]
-    for number, (piece, color) in enumerate(zip(arena.line.pieces, of_piece, strict=True)):
+    piece_colors = [
+        srgb[i] for i, strip in enumerate(strips) for _ in (strip.pieces if isinstance(strip, Chain) else (0,))
+    ]
+    for number, (piece, color) in enumerate(zip(arena.line.pieces, piece_colors, strict=True)):
         for part, (placement, length_m) in enumerate(_chords(piece, arena.line.width_m)):
             visual = child(link, "visual", name=f"piece_{number}_{part}")
             add_pose(visual, placement)

@@ -77,8 +77,9 @@ class PlannedRun:
     margin: float
     """Ratio of the traced pixels to those of the image; larger than 1 behind a lens."""
     render_core_s: float
+    """Core-seconds of rendering."""
     full_core_s: float
-    """The same without hybrid rendering, if the run chooses that it is too inexact."""
+    """Core-seconds of rendering without hybrid rendering, if the run chooses that it is too inexact."""
     start_to_line: str
     """Distance of the start from the line, and angle of its heading to the line; empty without a line, and for the
     images of further cameras."""

@@ -104,8 +104,8 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int, camera
     look = Appearance.from_spec(shown_spec)
     height_px = max(1, round(width_px * look.render.height_px / look.render.width_px))
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
-    of_camera = f", camera {camera}" if camera else ""
-    lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}{of_camera}", *_words(spec.look))
+    camera_words = f", camera {camera}" if camera else ""
+    lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}{camera_words}", *_words(spec.look))
     name, shown = f"{number} ({spec.key}, {spec.look.name})", replace(look, render=render)
     suspicions = tuple(suspicion.text for suspicion in settings_in_radians(spec))
     return PreviewImage(number, name, lines, frame, shown, loaded.assets, further, suspicions)

@@ -82,7 +82,7 @@ def _moment(progress: Snapshot, newest: RenderedImage) -> LastMoment | None:
 
 
 def _moment_of(progress: Snapshot, newest: RenderedImage) -> LastMoment:
-    (of_run,) = (run for run in progress.runs if run.run == newest.run)
+    (its_run,) = (run for run in progress.runs if run.run == newest.run)
     folder = next(above for above in newest.path.parents if above.name == STAGES) / "simulate" / newest.run
     with shown_runs(folder) as data:
         run = data.runs[0]
@@ -90,10 +90,10 @@ def _moment_of(progress: Snapshot, newest: RenderedImage) -> LastMoment:
         playback = playback_of(run)
         floor = FloorView(playback, _FLOOR_PX, _FLOOR_PX).frame(image.row).pixels
         state = int(playback.state[image.row])
-        caption = f"{newest.run}, image {newest.number} of {of_run.planned}, {image.t_s:.1f} s"
+        caption = f"{newest.run}, image {newest.number} of {its_run.planned}, {image.t_s:.1f} s"
         caption += f", state {named(state)}" if state != NO_STATE else ""
         encoded = cv2.imencode(".png", np.ascontiguousarray(floor[..., ::-1]))[1].tobytes()
-        earlier = tuple(_earlier(run, of_run, newest))
+        earlier = tuple(_earlier(run, its_run, newest))
         return LastMoment(thumbnail(image, 640), encoded, caption, earlier)
 
 

@@ -63,9 +63,9 @@ def _copy_in_stages(state: RepairState, name: str) -> Path | None:
         return None
     run, inner = "/".join(parts[:RUN_PARTS]), parts[RUN_PARTS]
     camera, file = camera_and_file(inner)
-    of_log = state.workspace.simulate(run).path / TAKEN / inner
-    if camera and of_log.is_file():
-        return of_log
+    logged_copy = state.workspace.simulate(run).path / TAKEN / inner
+    if camera and logged_copy.is_file():
+        return logged_copy
     if file.startswith(f"{IMAGES}/"):
         return state.workspace.render(run, camera).path / file
     if file.startswith(f"{ANNOTATIONS}/"):

@@ -33,7 +33,7 @@ from symolo.dataset.tables.side_reading import read_side
 from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.exporters.export import open_release
 
-_OF_IMAGES = re.compile(
+_IMAGE_WARNINGS = re.compile(
     r"(camera [^:]+: )?(\d+ of \d+ images are |the images have larger errors )|its frames were made on "
     r"|at [\d.]+ s the (camera|robot drives)"
 )
@@ -73,8 +73,8 @@ class Sources:
     @property
     def recorded_cameras(self) -> tuple[str, ...]:
         """Names of the cameras whose images a log has; no image of them is rendered."""
-        of_logs = [one.name for log in (self.imported.logs if self.imported else ()) for one in log.trajectory.cameras]
-        return tuple(dict.fromkeys([*of_logs, *(name for run in self.runs for name in logged_cameras(run.spec))]))
+        logged = [one.name for log in (self.imported.logs if self.imported else ()) for one in log.trajectory.cameras]
+        return tuple(dict.fromkeys([*logged, *(name for run in self.runs for name in logged_cameras(run.spec))]))
 
 
 def read_sources(paths: Sequence[Path], runs: str | None, request: ImportRequest) -> Sources:
@@ -88,7 +88,7 @@ def read_sources(paths: Sequence[Path], runs: str | None, request: ImportRequest
     Raises:
         InputError: A path holds no trajectory, it is damaged, or no run matches.
     """
-    if len(paths) == 1 and (sources := _of_symolo(paths[0])) is not None:
+    if len(paths) == 1 and (sources := _symolo_sources(paths[0])) is not None:
         if request.format or request.row_hz or request.settings != ReadSettings():
             cure = "leave out the options that say how to read a log"
             raise InputError("is a dataset of symolo, and no log", where=str(paths[0]), cure=cure)
@@ -99,7 +99,7 @@ def read_sources(paths: Sequence[Path], runs: str | None, request: ImportRequest
         if not path.exists():
             cure = "name a release, a run folder or a log"
             raise InputError("no such file or folder", where=str(path), cure=cure)
-        if len(paths) > 1 and _of_symolo(path) is not None:
+        if len(paths) > 1 and _symolo_sources(path) is not None:
             raise InputError("is a dataset of symolo", where=str(path), cure="render one dataset at a time")
         if path.is_dir() and not any(path.iterdir()):
             raise InputError("is an empty folder", where=str(path), cure="name a release, a run folder or a log")
@@ -117,22 +117,22 @@ def read_sources(paths: Sequence[Path], runs: str | None, request: ImportRequest
     )
 
 
-def _of_symolo(path: Path) -> Sources | None:
+def _symolo_sources(path: Path) -> Sources | None:
     """Return the runs of a folder that symolo made; None for any other path."""
     folder = path.parent if path.name == DATA and not path.is_dir() else path
     if not folder.is_dir():
         return None
     if (folder / METADATA).is_file() or (folder / DECLARATION).is_file():
-        return _of_release(folder)
+        return _release_sources(folder)
     if has_trajectory(folder):
-        return _of_stages([folder])
+        return _stage_sources([folder])
     if (folder / DATA).is_file() and (folder / SIDE / SPEC).is_file():
-        return _of_run(folder)
+        return _run_sources(folder)
     simulated = simulated_folders(folder)
-    return _of_stages(simulated) if simulated else None
+    return _stage_sources(simulated) if simulated else None
 
 
-def _of_release(root: Path) -> Sources:
+def _release_sources(root: Path) -> Sources:
     data = open_release(root, None)
     assert data.metadata is not None  # noqa: S101 - a release has it
     digest = sha256_of(data.root / MANIFEST)
@@ -142,7 +142,7 @@ def _of_release(root: Path) -> Sources:
     return replace(_with_metadata(tuple(runs), folders, data.metadata), is_whole=True)
 
 
-def _of_run(folder: Path) -> Sources:
+def _run_sources(folder: Path) -> Sources:
     """Return one run, whose release is recognised from the folders above it."""
     metadata = read_metadata(folder.absolute().parents[1])
     record = next((each for each in metadata.runs if each.run == run_name(folder)), None) if metadata else None
@@ -184,14 +184,14 @@ def _with_metadata(runs: tuple[ExternalRun, ...], files: tuple[Path, ...], metad
         metadata.licence,
         metadata.scenario,
         metadata.listed_sensors,
-        split_of=metadata.splits.of_runs if metadata.splits else {},
+        split_of=metadata.splits.split_by_run if metadata.splits else {},
     )
 
 
 def _released(folder: Path, record: RunRecord, metadata: Metadata, digest: str) -> ExternalRun:
     spec = read_spec(folder / SIDE / SPEC, _CURE)
     # Warnings about images are those of the images that are replaced.
-    suspicions = [text for text in record.warnings if not _OF_IMAGES.match(text)]
+    suspicions = [text for text in record.warnings if not _IMAGE_WARNINGS.match(text)]
     outcome = RunOutcome.of_rows(
         read_rows(folder / DATA), record.lap_time_s, record.board, record.controller, suspicions
     )
@@ -225,7 +225,7 @@ def _with_origin(spec: SceneSpec, digest: str) -> SceneSpec:
     return spec.model_copy(update={"origin": origin})
 
 
-def _of_stages(folders: Sequence[Path]) -> Sources:
+def _stage_sources(folders: Sequence[Path]) -> Sources:
     """Return runs from their first stage, whether or not they were released."""
     runs = []
     for folder in folders:

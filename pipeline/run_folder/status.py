@@ -18,7 +18,7 @@ from pipeline.run_folder.output import MADE_BY
 from pipeline.run_folder.stored_spec import parse_spec
 from pipeline.run_folder.worker import Worker, worker_of
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
-from pipeline.stages.assemble import of_several_classes
+from pipeline.stages.assemble import several_classes_text
 from pipeline.stages.cameras import RunCamera, cameras_of
 from pipeline.stages.render import IMAGES, journal
 from pipeline.stages.run_tables import stage_rows
@@ -347,7 +347,7 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
 def _mixed(workspace: Workspace, runs: Sequence[str]) -> dict[str, str]:
     """Return a warning for each run whose frames were made on several classes of processor."""
     classes = {run: {cpu for _, ledger in _journals(workspace, run) for cpu in ledger.processors()} for run in runs}
-    return {run: of_several_classes(sorted(cpus)) for run, cpus in classes.items() if len(cpus) > 1}
+    return {run: several_classes_text(sorted(cpus)) for run, cpus in classes.items() if len(cpus) > 1}
 
 
 def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:

@@ -63,7 +63,7 @@ def _simulated(folder: Path, images: Path) -> tuple[SceneSpec, Rows, dict[str, b
     """Return a simulated run, and its files except images."""
     spec, recording = read_simulated_spec(folder / SPEC), _with_images(read_simulated(folder), images)
     rows = Rows.from_recording(recording)
-    return spec, rows, {**dict(tables(spec, recording)), **dict(_of_main_camera(spec, rows, images))}
+    return spec, rows, {**dict(tables(spec, recording)), **dict(_main_camera_files(spec, rows, images))}
 
 
 def _taken(folder: Path, images: Path) -> tuple[SceneSpec, Rows, dict[str, bytes]]:
@@ -71,7 +71,7 @@ def _taken(folder: Path, images: Path) -> tuple[SceneSpec, Rows, dict[str, bytes
     spec, rows = read_spec(folder / SPEC), stage_rows(folder)
     there = np.array([(images / frame_name(number)).is_file() for number in rows.image.tolist()], dtype=bool)
     rows = replace(rows, image=np.where(there, rows.image, 0))
-    files = {**dict(stage_tables(spec, folder)), **dict(_of_main_camera(spec, rows, images))}
+    files = {**dict(stage_tables(spec, folder)), **dict(_main_camera_files(spec, rows, images))}
     return spec, rows, {**files, DATA: rows.to_csv()}
 
 
@@ -95,7 +95,7 @@ def _with_images(recording: Recording, folder: Path) -> Recording:
     return replace(recording, series=tuple(with_images if one is series else one for one in recording.series))
 
 
-def _of_main_camera(spec: SceneSpec, rows: Rows, folder: Path) -> Iterator[tuple[str, bytes]]:
+def _main_camera_files(spec: SceneSpec, rows: Rows, folder: Path) -> Iterator[tuple[str, bytes]]:
     """Yield the files that describe those images of the camera of data.csv that are in a folder, by their paths."""
     rows = main_camera_rows(rows, spec.rates if isinstance(spec, RunSpec) else None)
     rows = rows.where(np.array([(folder / frame_name(number)).is_file() for number in rows.image.tolist()], dtype=bool))

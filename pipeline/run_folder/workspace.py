@@ -123,12 +123,12 @@ class Workspace:
         return StageFolder(self.out / STAGES / "simulate" / run_key)
 
     def render(self, run_key: str, camera: str = "") -> StageFolder:
-        return StageFolder(self._of_camera(camera) / "render" / run_key)
+        return StageFolder(self._camera_stages(camera) / "render" / run_key)
 
     def annotate(self, run_key: str, camera: str = "") -> StageFolder:
-        return StageFolder(self._of_camera(camera) / "annotate" / run_key)
+        return StageFolder(self._camera_stages(camera) / "annotate" / run_key)
 
-    def _of_camera(self, camera: str) -> Path:
+    def _camera_stages(self, camera: str) -> Path:
         """Return the folder of the stages of a further camera, or of the camera of data.csv."""
         return self.out / STAGES / camera_folder(camera) if camera else self.out / STAGES
 

@@ -36,7 +36,7 @@ def inside_warnings(spec: SceneSpec, rows: Rows) -> tuple[str, ...]:
         spec: The arena and the robot.
         rows: Rows of data.csv.
     """
-    cameras = tuple(text for camera in cameras_of(spec) for text in _of_camera(camera, rows))
+    cameras = tuple(text for camera in cameras_of(spec) for text in _camera_texts(camera, rows))
     return cameras or tuple(_on_the_path(spec, rows))
 
 
@@ -53,7 +53,7 @@ def things_around(camera: RunCamera, rows: Rows) -> dict[int, str]:
     return around
 
 
-def _of_camera(camera: RunCamera, rows: Rows) -> Iterator[str]:
+def _camera_texts(camera: RunCamera, rows: Rows) -> Iterator[str]:
     around, at_images = things_around(camera, rows), camera.rows(rows)
     taken = at_images.image > 0
     for name in dict.fromkeys(around.values()):

@@ -46,7 +46,7 @@ def plan_warnings(specs: Sequence[RunSpec]) -> tuple[str, ...]:
     for spec in specs:
         for suspicion in _suspicions(spec):
             runs_of.setdefault(suspicion.about, []).append((spec.key, suspicion.text))
-    return tuple(_of_runs(runs) for runs in runs_of.values())
+    return tuple(_runs_text(runs) for runs in runs_of.values())
 
 
 def planned_texts(spec: RunSpec) -> tuple[str, ...]:
@@ -67,7 +67,7 @@ def start_to_line(spec: RunSpec) -> str:
     return f"{away_m:.3f} m, {round(left_deg, 1) + 0.0:g} deg"
 
 
-def _of_runs(runs: Sequence[tuple[str, str]]) -> str:
+def _runs_text(runs: Sequence[tuple[str, str]]) -> str:
     """Return the text of the first run, with the number of the others."""
     run, text = runs[0]
     if len(runs) == 1:
@@ -187,9 +187,9 @@ def _through_walls(spec: RunSpec, line: Line) -> Iterator[Suspicion]:
 def run_warnings(spec: RunSpec, recording: Recording) -> tuple[str, ...]:
     """Return what is suspicious about a run; nothing for nearly all runs."""
     line = Arena.from_config(spec.arena).line
-    of_settings = [suspicion.text for suspicion in (*_in_radians(spec, line), *unusual_settings(spec))]
+    setting_texts = [suspicion.text for suspicion in (*_in_radians(spec, line), *unusual_settings(spec))]
     units = commanded_in_other_units(spec, recording)
-    return (*_standing(recording), *_without_the_line(spec, line, recording), *units, *of_settings)
+    return (*_standing(recording), *_without_the_line(spec, line, recording), *units, *setting_texts)
 
 
 def _standing(recording: Recording) -> Iterator[str]:

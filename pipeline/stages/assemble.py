@@ -113,7 +113,7 @@ def _released(
                 files[path] = _Checked(digest, (workspace.out / path).stat().st_size)
             run = assembled_run(workspace, spec)
             if run.record.cpu_classes:
-                stage.say(f"{spec.key}: {of_several_classes(run.record.cpu_classes)}")
+                stage.say(f"{spec.key}: {several_classes_text(run.record.cpu_classes)}")
             runs.append(run)
             stage.update(spec.key, 1)
     return runs, files
@@ -156,7 +156,7 @@ def _splits(tree: dict[str, Any], specs: Sequence[SceneSpec], records: Sequence[
     return assign(rule, members, METADATA).only(images)
 
 
-def of_several_classes(cpus: Sequence[str]) -> str:
+def several_classes_text(cpus: Sequence[str]) -> str:
     """Return the warning about a run whose frames were made on several classes of processor."""
     return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 

@@ -36,7 +36,7 @@ def render_specs(
         on_complete: Called with each run that is complete, while others go on.
     """
     by_key, cameras = {spec.key: spec for spec in specs}, _cameras(specs)
-    left = {run: sum(1 + bool(c.spec.render.annotations) for c in of_run) for run, of_run in cameras.items()}
+    left = {run: sum(1 + bool(c.spec.render.annotations) for c in run_cameras) for run, run_cameras in cameras.items()}
     tasks: dict[str, FrameTask] = {}
     failed_before = {failure.run for failure in failures}
     for spec in specs:
@@ -51,7 +51,7 @@ def render_specs(
 
     frame_jobs = noted(render_jobs(workspace, specs, device, failures), tasks)
     failed = render_runs(frame_jobs, executor, report, on_complete=on_task)
-    if any(camera.spec.render.annotations for of_run in cameras.values() for camera in of_run):
+    if any(camera.spec.render.annotations for run_cameras in cameras.values() for camera in run_cameras):
         annotations = annotation_jobs(workspace, specs, device, tasks.values(), failed)
         failed += render_runs(annotations, executor, report, "annotate", on_task)
     return failed

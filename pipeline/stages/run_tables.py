@@ -107,7 +107,7 @@ def tables(
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
     if rows.image.any():
-        yield from _of_images(spec, rows)
+        yield from _camera_files(spec, rows)
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
@@ -124,11 +124,11 @@ def _taken_tables(spec: SceneSpec, folder: Path) -> Iterator[tuple[str, bytes]]:
         row_hz = spec.rates.control_hz if isinstance(spec, RunSpec) else None
         yield f"{SIDE}/{obstacles.file}", obstacles_csv_at(obstacles, arena, rows, row_hz)
     if rows.image.any():
-        yield from _of_images(spec, rows)
+        yield from _camera_files(spec, rows)
     yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
-def _of_images(spec: SceneSpec, rows: Rows) -> Iterator[tuple[str, bytes]]:
+def _camera_files(spec: SceneSpec, rows: Rows) -> Iterator[tuple[str, bytes]]:
     """Yield the files that describe the images of all cameras of a run."""
     for camera in cameras_of(spec):
         at_images = camera.rows(rows)

@@ -95,19 +95,19 @@ class RunOutcome(BaseModel):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings for users of the run."""
-        board, of_simulation = self.board, (*self.suspicions, *self.beyond_ranges)
+        board, simulation_warnings = self.board, (*self.suspicions, *self.beyond_ranges)
         if board is None or not (board.rows_unanswered or board.events):
-            return of_simulation
+            return simulation_warnings
         faults = [f"{plural(board.rows_unanswered, 'row')} unanswered"] if board.rows_unanswered else []
         faults += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
-        return (f"the line to the board was disturbed: {', '.join(faults)}", *of_simulation)
+        return (f"the line to the board was disturbed: {', '.join(faults)}", *simulation_warnings)
 
 
 def simulation_inputs(spec: SceneSpec) -> dict:
     """Return everything that the trajectory depends on: the run without look, images and camera."""
     inputs = spec.model_dump(mode="json", exclude={"look": True, "render": True, "robot": {"camera"}})
-    of_images = ("look.", "render.", "robot.camera.")
-    inputs["drawn"] = {path: value for path, value in spec.drawn.items() if not path.startswith(of_images)}
+    image_fields = ("look.", "render.", "robot.camera.")
+    inputs["drawn"] = {path: value for path, value in spec.drawn.items() if not path.startswith(image_fields)}
     return inputs
 
 

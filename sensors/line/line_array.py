@@ -67,12 +67,12 @@ class LineArraySettings(MountedSettings):
 
     def faults(self) -> Iterator[ConfigFault]:
         for effect in self.effects:
-            if effect.slot not in LINE_SLOTS or effect.name in _OF_EIGHT:
+            if effect.slot not in LINE_SLOTS or effect.name in _EIGHT_CHANNEL_EFFECTS:
                 allowed = "effects of all channels, such as line_ambient and line_height"
                 yield ConfigFault(("effects", effect.name), "it does not act on this sensor", allowed=allowed)
 
 
-_OF_EIGHT = frozenset({"line_gain", "line_offset"})
+_EIGHT_CHANNEL_EFFECTS = frozenset({"line_gain", "line_offset"})
 """Effects that name one of the eight channels of data.csv."""
 
 

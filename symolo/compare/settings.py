@@ -21,7 +21,7 @@ class ChangedSetting:
     a: str
     """Value or distribution in A; "nothing" without the field."""
     b: str
-    """The same in B."""
+    """Value or distribution in B; "nothing" without the field."""
 
     def __str__(self) -> str:
         return f"other setting {self.field}: {self.a} in A, {self.b} in B"

@@ -31,7 +31,7 @@ GB = 1e9
 _SECONDS_BETWEEN_BEATS = 5.0
 _SECONDS_BETWEEN_CHECKS = 0.2
 _LOG_BYTES = 20_000
-_OF_LITTLE_MEMORY = frozenset({signal.SIGKILL, signal.SIGABRT, signal.SIGSEGV})
+_MEMORY_SIGNALS = frozenset({signal.SIGKILL, signal.SIGABRT, signal.SIGSEGV})
 """Signals that end a process which gets no more memory; the last two have other causes too."""
 
 
@@ -224,7 +224,7 @@ class ChildProcess(Generic[M]):
         code = self._child.returncode
         if code >= 0:
             return f"exit code {code}"
-        cure = " (too little memory? Take fewer --workers or smaller images)" if -code in _OF_LITTLE_MEMORY else ""
+        cure = " (too little memory? Take fewer --workers or smaller images)" if -code in _MEMORY_SIGNALS else ""
         return f"signal {signal.Signals(-code).name}{cure}"
 
 

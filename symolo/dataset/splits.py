@@ -138,10 +138,10 @@ def _strata(rule: SplitRule, by: Grouping, members: Sequence[SplitMember]) -> di
     """Return the stratum of each group: the values that its members have of each property, in order."""
     values: dict[str, tuple[set[str], ...]] = {}
     for member in members:
-        of_group = values.setdefault(member.group(by), tuple(set() for _ in rule.stratify))
-        for known, name in zip(of_group, rule.stratify, strict=True):
+        group_values = values.setdefault(member.group(by), tuple(set() for _ in rule.stratify))
+        for known, name in zip(group_values, rule.stratify, strict=True):
             known.add(member.group(name))
-    return {name: tuple(tuple(sorted(known)) for known in of_group) for name, of_group in values.items()}
+    return {name: tuple(tuple(sorted(known)) for known in group_values) for name, group_values in values.items()}
 
 
 def _in_strata(counts: Sequence[int], shares: Mapping[SplitName, float]) -> list[list[SplitName]]:

@@ -30,10 +30,10 @@ def read_estimate(path: str | Path) -> EstimatedTrajectory:
         InputError: The file cannot be read, has a fault, or has poses of another body than a robot on the floor.
     """
     path = Path(path)
-    return _of_table(path) if path.suffix.lower() == ".csv" else _of_lines(path)
+    return _from_table(path) if path.suffix.lower() == ".csv" else _from_lines(path)
 
 
-def _of_lines(path: Path) -> EstimatedTrajectory:
+def _from_lines(path: Path) -> EstimatedTrajectory:
     poses = read_tum(path)
     upright = float(np.median(poses.rotation[:, 2, 2]))
     if upright < _MIN_UPRIGHT:
@@ -47,7 +47,7 @@ def _of_lines(path: Path) -> EstimatedTrajectory:
     return EstimatedTrajectory(poses.t_s, pose)
 
 
-def _of_table(path: Path) -> EstimatedTrajectory:
+def _from_table(path: Path) -> EstimatedTrajectory:
     text = read_text(path)
     header = tuple(cells_of(text.lines[0]))
     is_baseline = header[:4] == BASELINE_HEADER[:4]

@@ -60,11 +60,11 @@ def variance_suspicions(estimate: Estimate, truth: Array) -> Iterator[str]:
     error = estimate.pose - truth[estimate.rows]
     error[:, 2] = wrapped(error[:, 2])
     stated = np.diagonal(estimate.covariance, axis1=1, axis2=2)
-    yield from _of_quantity("places", error[:, :2], stated[:, :2], _PLACE)
-    yield from _of_quantity("headings", error[:, 2:], stated[:, 2:], _HEADING)
+    yield from _suspicions("places", error[:, :2], stated[:, :2], _PLACE)
+    yield from _suspicions("headings", error[:, 2:], stated[:, 2:], _HEADING)
 
 
-def _of_quantity(name: str, error: Array, stated: Array, meanings: Sequence[_Meaning]) -> Iterator[str]:
+def _suspicions(name: str, error: Array, stated: Array, meanings: Sequence[_Meaning]) -> Iterator[str]:
     """Yield a sentence if the stated variances (N, K) of errors (N, K) would be consistent by another meaning."""
     ratio = _ratio(error, stated)
     if not ratio or 1 / _INCONSISTENT <= ratio <= _INCONSISTENT:

@@ -93,9 +93,9 @@ def _estimated_bytes(runs: Sequence[RunFolder], count: int) -> int:
 def _document(data: Dataset, runs: Sequence[RunFolder], chosen: Sequence[Image], ids: _Ids) -> bytes:
     """Return the JSON file of some images of runs or of a camera of runs, in the order of the runs."""
     images, annotations = [], []
-    for run, of_run in by_run(chosen):
+    for run, run_images in by_run(chosen):
         labels = _Labels(run)
-        for image in of_run:
+        for image in run_images:
             index = len(images)
             images.append(_image(image, ids.image(index)))
             for instance_id, annotation in labels.annotations(image):

@@ -33,16 +33,16 @@ Entries = dict[str, np.ndarray | bytes]
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     h5py = optional_module("h5py")
-    of_images = {
+    split_by_image = {
         (image.run.name, image.number): split for split, images in images_of_splits(data) for image in images if split
     }
     yield ExportedFile("tables.hdf5", lambda: _tables(h5py, data))
-    of_runs = data.splits.of_runs if data.splits else {}
+    split_by_run = data.splits.split_by_run if data.splits else {}
     for run in data.runs:
         for camera in (run, *run.cameras.values()):
             first_bytes = cache(lambda camera=camera: len(_frame(h5py, camera.images[0], None)))
             for image in camera.images:
-                split = of_images.get((run.name, image.number)) if camera is run else of_runs.get(run.name)
+                split = split_by_image.get((run.name, image.number)) if camera is run else split_by_run.get(run.name)
                 yield ExportedFile(
                     f"{camera.name}/{image.index}.hdf5",
                     lambda image=image, split=split: _frame(h5py, image, split),
@@ -60,7 +60,7 @@ def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
 
 def _tables(h5py: ModuleType, data: Dataset) -> bytes:
     """Return a file with a group for each run, in it a group for each table, and in that each column with its unit."""
-    of_runs = data.splits.of_runs if data.splits else {}
+    split_by_run = data.splits.split_by_run if data.splits else {}
 
     def fill(file: Any) -> None:  # noqa: ANN401 - of the library
         for run in data.runs:
@@ -73,8 +73,8 @@ def _tables(h5py: ModuleType, data: Dataset) -> bytes:
                         f"{run.name}/{name}/{column}", data=table[column].to_numpy(), **_PACKED
                     )
                     dataset.attrs["unit"] = table.attrs[UNITS][column]
-            if run.name in of_runs:
-                file[run.name].attrs[_SPLIT] = of_runs[run.name]
+            if run.name in split_by_run:
+                file[run.name].attrs[_SPLIT] = split_by_run[run.name]
 
     return _whole(h5py, fill)
 

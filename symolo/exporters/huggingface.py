@@ -54,8 +54,8 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
             raise InputError(what, where=str(run.folder), cure="export them separately with --runs")
     yield ExportedFile("README.md", cache(lambda: _card(data)))
     yield from label_files(data)
-    for split, of_split in images_of_splits(data):
-        yield from _shards(f"images/{split or _UNDIVIDED}", of_split, first.annotation_kinds, settings)
+    for split, split_images in images_of_splits(data):
+        yield from _shards(f"images/{split or _UNDIVIDED}", split_images, first.annotation_kinds, settings)
     for split, part in _row_splits(data):
         yield ExportedFile(f"rows/{split}-{_WHOLE}", lambda part=part: stacked_bytes(part, _wide))
         for name in _sensors(first):

@@ -36,12 +36,12 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
         readers["images"] = _images
     readers |= {f"cameras/{name}": lambda run, name=name: _images(run.cameras[name]) for name in cameras}
     if data.splits is not None and data.splits.by == "image":
-        of_images = data.splits.of_images
-        readers["images"] = lambda run: _with_split(_images(run), [of_images[run.name, n] for n in run.numbers])
+        split_by_image = data.splits.split_by_image
+        readers["images"] = lambda run: _with_split(_images(run), [split_by_image[run.name, n] for n in run.numbers])
     elif data.splits is not None:
-        of_runs = data.splits.of_runs
+        split_by_run = data.splits.split_by_run
         for name, read in tuple(readers.items()):
-            readers[name] = lambda run, read=read: _with_split(read(run), of_runs[run.name])
+            readers[name] = lambda run, read=read: _with_split(read(run), split_by_run[run.name])
     for name, read in readers.items():
         yield ExportedFile(f"{name}.parquet", lambda read=read: stacked_bytes(data, read))
     further = (image for run in data.runs for camera in run.cameras.values() for image in camera)

@@ -42,9 +42,9 @@ def _files_of(folder: str, splits: ImagesOfSplits, labelling: "_Labelling") -> I
     folders = [_FOLDERS[split] for split, _ in splits]
     yield ExportedFile(f"{folder}data.yaml", lambda: _description(folders, labelling.classes))
     for split, images in splits:
-        for run, of_run in by_run(images):
+        for run, run_images in by_run(images):
             labels = labelling.labels(run)
-            for image in of_run:
+            for image in run_images:
                 name = f"{_FOLDERS[split]}/{_file_name(image)}"
                 yield copied_file(f"{folder}images/{name}{image.path.suffix}", image.path)
                 yield ExportedFile(f"{folder}labels/{name}.txt", lambda labels=labels, image=image: labels.text(image))

@@ -45,10 +45,10 @@ class Membership:
     def from_splits(cls, splits: SplitsRecord) -> "Membership":
         """Return the membership of runs, or for splits by image that of images."""
         if not splits.images:
-            return cls("run_splits", "run", RUN_REGEX, "for example CW/test_1", splits.names, splits.of_runs)
+            return cls("run_splits", "run", RUN_REGEX, "for example CW/test_1", splits.names, splits.split_by_run)
         regex = f"{_FOLDER}(.+)$"
         split_of: dict[str, SplitName] = {
-            f"{run}/{IMAGES}/{frame_name(number)}": split for (run, number), split in splits.of_images.items()
+            f"{run}/{IMAGES}/{frame_name(number)}": split for (run, number), split in splits.split_by_image.items()
         }
         return cls("image_splits", "path", regex, "path of the image in the dataset", splits.names, split_of)
 

@@ -126,7 +126,7 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
     record = data.splits
     diagnosis = SimulatedRobots.from_metadata(data.metadata).diagnosis if data.metadata else ""
     contents = {name: SplitContent(name) for name in record.names}
-    of_runs, of_images = record.of_runs, record.of_images
+    split_by_run, split_by_image = record.split_by_run, record.split_by_image
     done, knows_line = 0, bool(data.runs)
     for stored in data.runs:
         run = replace(stored)  # its tables are freed together with it
@@ -134,10 +134,10 @@ def balance(data: Dataset, on_image: Callable[[int], None] = lambda _done: None)
         knows_line &= classes.knows_line
         parts: dict[str, list[Image]] = {}
         for image in run.images:
-            split = of_runs.get(run.name) or of_images.get((run.name, image.number))
+            split = split_by_run.get(run.name) or split_by_image.get((run.name, image.number))
             if split:
                 parts.setdefault(split, []).append(image)
-        if not run.images and (split := of_runs.get(run.name)):
+        if not run.images and (split := split_by_run.get(run.name)):
             parts[split] = []
         for split, images in parts.items():
             content = contents[split]

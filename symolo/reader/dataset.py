@@ -98,8 +98,8 @@ class Dataset:
         if splits.by == "image":
             what, cure = "is divided by image, so its runs are in no split", "take `split_images`"
             raise InputError(what, where=str(self.root), cure=cure)
-        of_runs = splits.of_runs
-        runs = tuple(run for run in self.runs if of_runs.get(run.name) == name)
+        split_by_run = splits.split_by_run
+        runs = tuple(run for run in self.runs if split_by_run.get(run.name) == name)
         if not runs:
             raise InputError(f"split {name} has no runs", where=str(self.root), cure="choose another split")
         return replace(self, runs=runs)
@@ -112,10 +112,10 @@ class Dataset:
         """
         splits = self._with_split(name)
         if splits.by == "image":
-            of_images = splits.of_images
-            return tuple(image for image in self.images if of_images.get((image.run.name, image.number)) == name)
-        of_runs = splits.of_runs
-        return tuple(image for run in self.runs if of_runs.get(run.name) == name for image in run.images)
+            split_by_image = splits.split_by_image
+            return tuple(image for image in self.images if split_by_image.get((image.run.name, image.number)) == name)
+        split_by_run = splits.split_by_run
+        return tuple(image for run in self.runs if split_by_run.get(run.name) == name for image in run.images)
 
     def _with_split(self, name: str) -> SplitsRecord:
         """Return the splits, among which is this one."""

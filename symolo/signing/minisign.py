@@ -64,12 +64,12 @@ class Signature:
     """`ED` where the data is hashed first, `Ed` where it is not."""
     key_id: bytes
     """(8,) id of the key that signed."""
-    of_data: bytes
+    data_signature: bytes
     """(64,) signature of the data."""
     comment: str
     """The trusted comment, one line."""
-    of_all: bytes
-    """(64,) signature of `of_data` and the comment."""
+    whole_signature: bytes
+    """(64,) signature of `data_signature` and the comment."""
 
     @classmethod
     def from_bytes(cls, data: bytes) -> "Signature":
@@ -92,20 +92,20 @@ class Signature:
         algorithm, key_id = signed[:2], signed[2 : 2 + KEY_ID_BYTES]
         if algorithm not in {HASHED, UNHASHED}:
             raise ValueError("line 2 is of another algorithm than Ed25519")
-        comment, of_all = lines[2].removeprefix(TRUSTED), _decoded_line(lines, 4, SIGNATURE_BYTES)
-        return cls(algorithm, key_id, signed[2 + KEY_ID_BYTES :], comment, of_all)
+        comment, whole_signature = lines[2].removeprefix(TRUSTED), _decoded_line(lines, 4, SIGNATURE_BYTES)
+        return cls(algorithm, key_id, signed[2 + KEY_ID_BYTES :], comment, whole_signature)
 
     def to_bytes(self, untrusted: str) -> bytes:
         """Return the content of a signature file; `untrusted` is its first comment."""
-        first = encoded(self.algorithm + self.key_id + self.of_data)
-        return f"{UNTRUSTED}{untrusted}\n{first}\n{TRUSTED}{self.comment}\n{encoded(self.of_all)}\n".encode()
+        first = encoded(self.algorithm + self.key_id + self.data_signature)
+        return f"{UNTRUSTED}{untrusted}\n{first}\n{TRUSTED}{self.comment}\n{encoded(self.whole_signature)}\n".encode()
 
     def problem(self, key: PublicKey, data: bytes) -> str:
         """Return why this is no signature of the data by the key, in words; empty where it is one."""
         if self.key_id != key.key_id:
             return f"was made by the key {name_of(self.key_id)}, not by the key {key.name}"
-        signs_data = is_signature(key.key, self.of_data, message_of(data, self.algorithm))
-        signs_comment = is_signature(key.key, self.of_all, self.of_data + self.comment.encode())
+        signs_data = is_signature(key.key, self.data_signature, message_of(data, self.algorithm))
+        signs_comment = is_signature(key.key, self.whole_signature, self.data_signature + self.comment.encode())
         if signs_data and signs_comment:
             return ""
         if signs_data:

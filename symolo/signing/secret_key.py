@@ -47,8 +47,10 @@ class SecretKey:
 
     def sign(self, data: bytes, comment: str) -> Signature:
         """Return the signature of data and of a comment of one line."""
-        of_data = sign(self.seed, message_of(data, HASHED))
-        return Signature(HASHED, self.key_id, of_data, comment, sign(self.seed, of_data + comment.encode()))
+        data_signature = sign(self.seed, message_of(data, HASHED))
+        return Signature(
+            HASHED, self.key_id, data_signature, comment, sign(self.seed, data_signature + comment.encode())
+        )
 
     def to_text(self, passphrase: str, operations: int = OPERATIONS, memory_bytes: int = MEMORY_BYTES) -> str:
         """Return the content of a secret key file; it is not encrypted where the passphrase is empty."""

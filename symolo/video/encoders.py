@@ -75,9 +75,9 @@ def gif_chunks(film: Film) -> Iterator[bytes]:
     chosen = np.unique(np.linspace(0, film.count - 1, _PALETTE_FRAMES).round().astype(int))
     samples = [film.frame(int(index))[::2, ::2] for index in chosen]
     # The few pixels of a curve would not get a colour of their own.
-    of_curves = np.repeat(np.array([rgb(code) for code in COLOURS], np.uint8), _WEIGHT, axis=0)
+    curve_colors = np.repeat(np.array([rgb(code) for code in COLOURS], np.uint8), _WEIGHT, axis=0)
     width_px = samples[0].shape[1]
-    strips = np.repeat(of_curves[:, None], width_px, axis=1)
+    strips = np.repeat(curve_colors[:, None], width_px, axis=1)
     mosaic = np.concatenate([*samples, strips])
     palette = Image.fromarray(mosaic).quantize(256, method=Image.Quantize.MEDIANCUT)
 

@@ -25,7 +25,7 @@ class Motor:
     supply: float
     relative: dict[str, float]
     entries: dict[str, Any]
-    """As nominal.yaml has them."""
+    """Section `motor` of nominal.yaml."""
 
     def individual(self, deviations: Array) -> dict[str, Array]:
         """Return the parameters at deviations (last axis R, K, B, Tc and maybe J), as columns."""

@@ -57,7 +57,7 @@ class Fitted:
     windows: str
     """Error of held-out windows before and after, in sigmas."""
     missed: Mapping[str, Mapping[str, tuple[Missed, ...]]]
-    """By what is judged and by method."""
+    """Errors of each method, by the judged quantity and by the method."""
 
 
 def fitted_drives(folder: Path) -> Iterator[Fitted]:

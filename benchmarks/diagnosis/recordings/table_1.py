@@ -40,7 +40,7 @@ class Mechanism:
     """The number that is needed, in words."""
     verdict: str
     missed_rad_s: float
-    """Of a row left out, root mean square."""
+    """Root mean square error of the speed in rows that were left out."""
 
 
 def mechanisms() -> list[Mechanism]:

@@ -68,7 +68,7 @@ class Row:
     core_s_in_a_run: float
     """A frame with its share of the start, warm-up and maps included, over `RUN_FRAMES`."""
     psnr_dB: float
-    """Of the mean square over all poses."""
+    """PSNR of the mean square error over all poses."""
     worst_psnr_dB: float
     ssim: float
     flip: float | None

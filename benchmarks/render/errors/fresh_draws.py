@@ -62,7 +62,7 @@ class Row:
 
     case: str
     number: int
-    """Of the view in its case."""
+    """Number of the view in its case."""
     version: str
     """`this`, or `beside` for the sources of `--beside`; and ` hybrid` where hybrid rendering was asked for."""
     floor: str
@@ -75,9 +75,9 @@ class Row:
     reference_samples: int | None
     """Samples of each reference of the run's choice."""
     limit_db: float | None
-    """The same, as one view of twenty is expected to exceed it."""
+    """Error relative to JPEG that one view of twenty is expected to exceed."""
     excess_db: float
-    """The same, of the whole view; negative where the rendering is better than JPEG."""
+    """Error of the whole view relative to JPEG; negative where the rendering is better than JPEG."""
     standard_error: float
     """Standard error of that error by the noise of the references, as a multiple of JPEG's error."""
     psnr_db: float
@@ -95,7 +95,7 @@ class Row:
     plain_core_s: float | None
     """Cost of the plain loop with so many samples for one image of a run, everything included."""
     ratio: float | None
-    """Of this cost to that of the rendering."""
+    """Ratio of this cost to that of the rendering."""
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class Flicker:
 
     still: float
     worst_still: float
-    """Of the square of `BLOCK_PX` x `BLOCK_PX` pixels with the largest flicker."""
+    """Flicker of the square of `BLOCK_PX` x `BLOCK_PX` pixels that flickers most."""
     moving: float
     moving_error: float
     """Standard error by the noise of the references."""

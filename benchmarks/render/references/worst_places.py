@@ -21,7 +21,7 @@ _GAP_PX = 8
 @dataclass(frozen=True)
 class WorstPlace:
     mean_square: float
-    """Of the square, in squares of grey values of 8 bits."""
+    """Mean square error of the square, in grey values of 8 bits squared."""
     shown: np.ndarray
     """Image (h, w, 3), RGB: the rendering, and the mean of its references at its right."""
 

@@ -61,9 +61,9 @@ def upsampled_light(low: FloatImage, seen: Passes) -> FloatImage:
     roughness; for floor the values follow its roughness.
     """
     nearness = 1 / np.maximum(seen["Depth"], 1e-3)
-    alone, of_things, lines = np.split(low, [-12, -9], axis=-1)
-    of_things = upsampled(of_things, nearness, normal_without_floor(seen))
+    alone, thing_light, lines = np.split(low, [-12, -9], axis=-1)
+    thing_light = upsampled(thing_light, nearness, normal_without_floor(seen))
     values = upsampled(np.concatenate([alone, lines], axis=-1), nearness, seen["Normal"])
     alone, slope, value, roughness = np.split(values, [-9, -5, -1], axis=-1)
     rougher = np.where(seen[COVER][..., :1] > 0, seen[ROUGHNESS] - roughness, 0)
-    return np.concatenate([alone, of_things, value + slope * rougher], axis=-1)
+    return np.concatenate([alone, thing_light, value + slope * rougher], axis=-1)

@@ -13,12 +13,12 @@ _HUES = (5.0, 15.0, 28.0, 45.0, 95.0, 150.0, 190.0, 208.0, 218.0, 228.0, 345.0)
 
 def board(rng: np.random.Generator) -> Paint:
     """Draw the colour of veneered or laminated board."""
-    return _of(one_of(rng, _BOARDS))
+    return _paint(one_of(rng, _BOARDS))
 
 
 def frame(rng: np.random.Generator) -> Paint:
     """Draw the colour of powder-coated steel."""
-    return _of(one_of(rng, _FRAMES))
+    return _paint(one_of(rng, _FRAMES))
 
 
 def cloth(rng: np.random.Generator) -> Paint:
@@ -37,6 +37,6 @@ def _dyed(rng: np.random.Generator, reflectance: float) -> Paint:
     return Paint(reflectance=reflectance, hue_deg=hue, saturation=strength * (1.0 - 1.2 * reflectance))
 
 
-def _of(numbers: tuple[float, float, float]) -> Paint:
+def _paint(numbers: tuple[float, float, float]) -> Paint:
     reflectance, hue, saturation = numbers
     return Paint(reflectance=reflectance, hue_deg=hue, saturation=saturation)

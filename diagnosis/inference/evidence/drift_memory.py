@@ -21,7 +21,7 @@ class DriftMemory:
     shares: Array
     """(N, N), by which the residual of each sample moves the prediction of another one."""
     wider: Array
-    """(N,), factor on the standard deviation of the noise, by the error that the residuals leave open."""
+    """(N,), factor on the standard deviation of the noise, because of the error that the residuals do not determine."""
     reference: Array
     """(N,), predictions of the fit to which the drift belongs; 0 where there are none."""
 

@@ -112,9 +112,9 @@ class SuccessiveNoise:
     """AR(1) noise that has the differences of some residuals."""
 
     correlation: float
-    """Of successive rows; above 1 if the differences are those of something slower than noise."""
+    """Correlation of successive rows; above 1 if the differences come from something slower than noise."""
     error: float
-    """Its standard error by the jackknife, with blocks of rows left out in turn; infinite with few rows."""
+    """Standard error of the correlation by the jackknife, which leaves out blocks of rows; infinite with few rows."""
     sd: float
     """Standard deviation, in the unit of the residuals."""
 

@@ -138,9 +138,9 @@ def init(
     checked = None if mapping is None else read_mapping(mapping, list(KINDS.values()))
     header = [name.strip() for name in names.split(",")] if names else []
     table = read_log(log, header if checked is None else checked.header)
-    of_kind = None if kind is None else CaseKind(kind)
-    units = stated_units(unit or (), of_kind)
-    columns = chosen_columns(column or (), table, of_kind, units)
+    stated_kind = None if kind is None else CaseKind(kind)
+    units = stated_units(unit or (), stated_kind)
+    columns = chosen_columns(column or (), table, stated_kind, units)
     if checked is not None:
         check_mapping(checked, KINDS[CaseKind(checked.kind)], table, str(mapping))
 
@@ -148,7 +148,7 @@ def init(
         """Return the case and the guesses of its mapping, which depend on the voltage of the supply."""
         chosen, warnings = checked, ()
         if chosen is None:
-            proposal = propose(table, of_kind, known.get("supply_voltage_V"), columns, units)
+            proposal = propose(table, stated_kind, known.get("supply_voltage_V"), columns, units)
             chosen, warnings = proposal.mapping, proposal.warnings
         chosen = from_corner(chosen, known)
         return new_case(table, chosen, out.absolute().name).knowing(known), warnings

@@ -108,7 +108,7 @@ def _jpeg_header(data: bytes) -> _Header:
             at += 1
             continue
         if marker == 0xD9:
-            return _of_frame(frame, bytes(components_of_scans))
+            return _header(frame, bytes(components_of_scans))
         length = int.from_bytes(data[at + 2 : at + 4], "big")
         if marker in _SIZES and at + 10 <= len(data):
             if frame is not None:
@@ -123,7 +123,7 @@ def _jpeg_header(data: bytes) -> _Header:
     raise ValueError(f"is a JPEG of more than {MAX_PARTS} markers")
 
 
-def _of_frame(frame: tuple[int, int, int, int] | None, components_of_scans: bytes) -> _Header:
+def _header(frame: tuple[int, int, int, int] | None, components_of_scans: bytes) -> _Header:
     if frame is None:
         raise ValueError("is damaged: the JPEG has no frame")
     marker, height, width, components = frame

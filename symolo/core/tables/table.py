@@ -204,11 +204,11 @@ def table_of(
         rows.append(row)
     if not rows and not faults:
         faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
-    of_numbers = np.array([] if faults else values, np.float64).reshape(0 if faults else len(values), len(numbers))
+    number_array = np.array([] if faults else values, np.float64).reshape(0 if faults else len(values), len(numbers))
     return CsvTable(
         text.path,
         np.array([] if faults else rows, np.int64),
-        {column.name: of_numbers[:, k].copy() for k, (column, _) in enumerate(numbers)},
+        {column.name: number_array[:, k].copy() for k, (column, _) in enumerate(numbers)},
         {column.name: () if faults else tuple(row[k] for row in texts) for k, (column, _) in enumerate(words)},
         tuple(notes),
         tuple(faults),

@@ -42,7 +42,7 @@ _PARSER_CURES = {
 class Document:
     path: Path
     root: Node
-    """Its value is a mapping."""
+    """Top node of the document, whose value is a mapping."""
 
 
 def displayed(path: Path) -> str:

@@ -24,7 +24,7 @@ _LENS = (
 """Settings that `robot.camera` has too."""
 _ANGLES = {"pitch_up_deg": ("pitch_down_deg", -1.0), "yaw_deg": ("yaw_left_deg", 1.0), "roll_deg": ("roll_deg", 1.0)}
 """Angles of a sensor: the name in `robot.camera`, and the factor to it."""
-_OF_RENDER = ("width_px", "height_px", "quality", "annotations")
+_RENDER = ("width_px", "height_px", "quality", "annotations")
 
 
 def further_cameras(content: Mapping[str, Any]) -> tuple[str, ...]:
@@ -51,11 +51,11 @@ def specification_of(content: Mapping[str, Any], camera: str) -> dict[str, Any]:
     }
     listed |= {angle: factor * nominal[name] + 0.0 for angle, (name, factor) in _ANGLES.items()}
     listed |= {name: nominal[name] for name in _LENS if name in nominal}
-    of_camera = {name: settings[name] for name in _OF_RENDER if settings.get(name) is not None}
+    camera_render = {name: settings[name] for name in _RENDER if settings.get(name) is not None}
     if settings.get("fisheye") is not None:
-        of_camera["method"] = "full"  # hybrid rendering makes pinhole images
-    elif "quality" in of_camera:
-        of_camera["method"] = "auto"
+        camera_render["method"] = "full"  # hybrid rendering makes pinhole images
+    elif "quality" in camera_render:
+        camera_render["method"] = "auto"
     response = dict(look["camera"])
     if settings.get("exposure_time_s") is not None:
         response["exposure_time_s"] = settings["exposure_time_s"]
@@ -63,5 +63,5 @@ def specification_of(content: Mapping[str, Any], camera: str) -> dict[str, Any]:
         **content,
         "robot": {**robot, "camera": mounted, "sensors": {**robot["sensors"], camera: listed}},
         "look": {**look, "camera": response},
-        "render": {**render, **of_camera},
+        "render": {**render, **camera_render},
     }

@@ -29,7 +29,7 @@ class ReleaseOrigin(_Part):
     manifest_sha256: str
     """SHA-256 of its manifest-sha256.txt, which identifies every byte of it; empty if it was not a whole release."""
     run: str
-    """Its run, such as `CW/test_1`."""
+    """Run of the release, such as `CW/test_1`."""
 
 
 class Origin(_Part):

@@ -50,7 +50,7 @@ class RenderingRecord(Record):
     """Light paths per pixel; None for hybrid rendering, which has several kinds."""
     light_paths: LightPathsRecord
     error: ImageErrorRecord | None = None
-    """None if the error was not measured."""
+    """Estimated error of the images; None if it was not measured."""
 
     @property
     def text(self) -> str:

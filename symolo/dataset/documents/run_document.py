@@ -217,7 +217,7 @@ class ManualExposureSection(SpecSection):
 class LookCameraSection(SpecSection):
     exposure_time_s: float
     manual_exposure: ManualExposureSection | None = None
-    """None for an automatic exposure."""
+    """Settings of a manual exposure; None for an automatic one."""
 
 
 class LookSection(SpecSection):

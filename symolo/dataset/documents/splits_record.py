@@ -52,12 +52,12 @@ class SplitsRecord(Record):
         return f"Divided by {self.by}{mixed}."
 
     @property
-    def of_runs(self) -> dict[str, SplitName]:
+    def split_by_run(self) -> dict[str, SplitName]:
         """Split of each run by its name; empty for splits by image."""
         return {run: name for name in self.names for run in self.runs.get(name, ())}
 
     @property
-    def of_images(self) -> dict[tuple[str, int], SplitName]:
+    def split_by_image(self) -> dict[tuple[str, int], SplitName]:
         """Split of each image by its run and number; empty unless the splits are by image."""
         return {
             (run, number): name
@@ -75,13 +75,13 @@ class SplitsRecord(Record):
 
     def only(self, runs: Collection[str]) -> "SplitsRecord":
         """Return the assignment of these runs only; a split may then be empty."""
-        of_runs: dict[SplitName, tuple[str, ...]] = {
+        runs_of_split: dict[SplitName, tuple[str, ...]] = {
             name: tuple(run for run in ones if run in runs) for name, ones in self.runs.items()
         }
-        of_images: dict[SplitName, dict[str, tuple[int, ...]]] = {
+        images_of_split: dict[SplitName, dict[str, tuple[int, ...]]] = {
             name: {run: n for run, n in ones.items() if run in runs} for name, ones in self.images.items()
         }
-        return self.model_copy(update={"runs": of_runs, "images": of_images})
+        return self.model_copy(update={"runs": runs_of_split, "images": images_of_split})
 
     def faults(self, known: set[str]) -> Iterator[str]:
         """Yield what is wrong with the assignment of runs with these names."""

@@ -26,8 +26,8 @@ class Column:
         parts = {"name": str, "unit": str, "decimals": int, "meaning": str, "count": int}
         for part, kind in parts.items():
             if not isinstance(value := getattr(self, part), kind):
-                wanted = "a text" if kind is str else "a whole number"
-                raise TypeError(f"the {part} of column {self.name} is {value!r}, but must be {wanted}")
+                expected = "a text" if kind is str else "a whole number"
+                raise TypeError(f"the {part} of column {self.name} is {value!r}, but must be {expected}")
 
     @property
     def title(self) -> str:

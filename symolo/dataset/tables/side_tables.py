@@ -55,7 +55,7 @@ POSITIONS_DECIMALS = (0, 6, 6, 6)
 WHEELS_BY_LETTER = {"r": "right", "l": "left"}
 
 
-def _of_each_wheel(name: str, unit: str, meaning: str, decimals: int = 5) -> tuple[Column, ...]:
+def _wheel_columns(name: str, unit: str, meaning: str, decimals: int = 5) -> tuple[Column, ...]:
     """Return the columns `<name>_r` and `<name>_l`; a meaning has {} in the place of the wheel."""
     return tuple(
         Column(f"{name}_{letter}", unit, decimals, meaning.format(wheel)) for letter, wheel in WHEELS_BY_LETTER.items()
@@ -66,7 +66,7 @@ STATUSES = ", ".join(f"{status.value} {status.name.lower()}" for status in TofSt
 COUNTS = Series(
     "encoder_counts",
     "1",
-    _of_each_wheel(
+    _wheel_columns(
         "counts", "encoder counts", "counts of the {} encoder since the start, as the controller receives them", 0
     ),
 )
@@ -86,10 +86,10 @@ WHEELS = SideTable(
         ROW_TIME,
         Column("command_v", "m/s", 5, "commanded forward speed"),
         Column("command_w", "rad/s", 5, "commanded yaw rate, counter-clockwise positive"),
-        *_of_each_wheel("speed", "rad/s", "true speed of the {} wheel, with the effects of its sensor"),
-        *_of_each_wheel("voltage", "V", "commanded voltage of the {} motor"),
-        *_of_each_wheel("mean_voltage", "V", "mean of the commanded voltage of the {} motor since the row before"),
-        *_of_each_wheel("current", "A", "true current of the {} motor, with the effects of its sensor"),
+        *_wheel_columns("speed", "rad/s", "true speed of the {} wheel, with the effects of its sensor"),
+        *_wheel_columns("voltage", "V", "commanded voltage of the {} motor"),
+        *_wheel_columns("mean_voltage", "V", "mean of the commanded voltage of the {} motor since the row before"),
+        *_wheel_columns("current", "A", "true current of the {} motor, with the effects of its sensor"),
         *COUNTS.columns,
         Column("odometry_x", "m", 6, "position by odometry ahead of the start pose"),
         Column("odometry_y", "m", 6, "position by odometry to the left of the start pose"),

@@ -99,8 +99,8 @@ class _Episode:
     @cached_property
     def images(self) -> dict[str, tuple[Image, ...]]:
         """The image of each frame by the name of the feature; of the other cameras the newest that was delivered."""
-        of_frames = f"{_IMAGES}{self._camera.camera_name}" if isinstance(self._camera, CameraRun) else _FRONT
-        images = {of_frames: self._taken}
+        frame_key = f"{_IMAGES}{self._camera.camera_name}" if isinstance(self._camera, CameraRun) else _FRONT
+        images = {frame_key: self._taken}
         for name, camera in self.run.cameras.items():
             if camera is self._camera or not camera.numbers:
                 continue

@@ -56,13 +56,15 @@ def _imu(sensor: RunSensor, _log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     """Yield the readings with the variances of their white noise; -1 stands for no orientation, as in the message."""
     settings = ImuSection.model_validate(sensor.settings)
     densities = settings.gyroscope.noise_density_rad_s_rtHz, settings.accelerometer.noise_density_m_s2_rtHz
-    of_rate, of_force = (np.eye(3).ravel() * density**2 / settings.period_s for density in densities)  # 0: unknown
+    rate_covariance, force_covariance = (
+        np.eye(3).ravel() * density**2 / settings.period_s for density in densities
+    )  # 0: unknown
     none = np.array([-1.0, *np.zeros(8)])
     unknown = ros.quaternion(0, 0, 0, 1)
     axes = [np.column_stack([sensor.values(f"{one}_{axis}") for axis in "xyz"]).tolist() for one in ("gyro", "acc")]
     for (number, at_ns, bag_ns), rate, force in zip(_stamps(sensor), *axes, strict=True):
         header = ros.header(at_ns, sensor_frame(sensor.name), number)
-        measured = ros.vector(*rate), of_rate, ros.vector(*force), of_force
+        measured = ros.vector(*rate), rate_covariance, ros.vector(*force), force_covariance
         yield bag_ns, ros("sensor_msgs/Imu", header, unknown, none, *measured)
 
 

@@ -36,8 +36,8 @@ def labels_part(data: Dataset, main: str) -> list[str]:
         return []
     encodings = dict.fromkeys(
         (camera or main, kind, text)
-        for of_run in documents.values()
-        for camera, document in of_run.items()
+        for run_documents in documents.values()
+        for camera, document in run_documents.items()
         for kind, text in _encodings(document).items()
     )
     lines = ["", "## Label images", "", f"Programs find these tables, for every run, in [{LABELS}]({LABELS})."]
@@ -46,7 +46,7 @@ def labels_part(data: Dataset, main: str) -> list[str]:
     categories = [(str(one.id), one.name) for one in _categories(documents)]
     lines += markdown_table(("category", "name"), categories).splitlines()
     if any(kind == "instance" for _, kind, _ in encodings):
-        instances = [(run, _instances(of_run)) for run, of_run in documents.items()]
+        instances = [(run, _instances(run_documents)) for run, run_documents in documents.items()]
         lines += ["", "An id of an instance may mean something else in another run.", ""]
         lines += markdown_table(("run", "instances"), instances[:MAX_LISTED_RUNS]).splitlines()
         if len(instances) > MAX_LISTED_RUNS:
@@ -87,7 +87,7 @@ def _labels(data: Dataset) -> bytes:
     return canonical_json(
         {
             "categories": [asdict(one) for one in _categories(documents)],
-            "runs": {run: _labels_of_run(of_run) for run, of_run in documents.items()},
+            "runs": {run: _labels_of_run(run_documents) for run, run_documents in documents.items()},
         }
     )
 

@@ -105,8 +105,8 @@ def images_of_splits(data: Dataset) -> ImagesOfSplits:
 def by_run(images: Iterable[Image]) -> Iterator[tuple[RunFolder, tuple[Image, ...]]]:
     """Yield each run, or its further camera, with its images, which follow each other."""
     for _, group in groupby(images, lambda image: image.run.name):
-        of_run = tuple(group)
-        yield of_run[0].run, of_run
+        run_images = tuple(group)
+        yield run_images[0].run, run_images
 
 
 def further_cameras_of_splits(data: Dataset, annotation: str = "") -> Iterator[FurtherCamera]:
@@ -125,12 +125,14 @@ def further_cameras_of_splits(data: Dataset, annotation: str = "") -> Iterator[F
             for run in data.runs
             if name in run.cameras and run.cameras[name].numbers and _is_annotated(run.cameras[name], annotation)
         ]
-        of_splits: dict[SplitName | None, list[Image]] = {}
+        images_by_split: dict[SplitName | None, list[Image]] = {}
         for run, camera in cameras:
             for split, image in zip(_splits_of(data, run, camera), camera.images, strict=True):
-                of_splits.setdefault(split, []).append(image)
+                images_by_split.setdefault(split, []).append(image)
         order: tuple[SplitName | None, ...] = data.splits.names if data.splits else (None,)
-        splits: ImagesOfSplits = tuple((split, tuple(of_splits[split])) for split in order if split in of_splits)
+        splits: ImagesOfSplits = tuple(
+            (split, tuple(images_by_split[split])) for split in order if split in images_by_split
+        )
         if splits:
             yield FurtherCamera(camera_folder(name), tuple(camera for _, camera in cameras), splits)
 
@@ -144,7 +146,7 @@ def _splits_of(data: Dataset, run: Run, camera: CameraRun) -> list[SplitName | N
     if data.splits is None:
         return [None] * len(camera.images)
     if data.splits.by != "image":
-        return [data.splits.of_runs.get(run.name)] * len(camera.images)
-    of_images, times_s = data.splits.of_images, [image.t_s for image in run.images]
+        return [data.splits.split_by_run.get(run.name)] * len(camera.images)
+    split_by_image, times_s = data.splits.split_by_image, [image.t_s for image in run.images]
     newest = np.searchsorted(times_s, [image.t_s + 1e-9 for image in camera.images], side="right") - 1
-    return [of_images.get((run.name, run.images[index].number)) for index in np.maximum(newest, 0)]
+    return [split_by_image.get((run.name, run.images[index].number)) for index in np.maximum(newest, 0)]

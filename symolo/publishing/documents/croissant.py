@@ -139,9 +139,9 @@ def _images(membership: Membership | None) -> dict[str, Any]:
         _field(IMAGES, "image", "the image", "sc:ImageObject", files | content),
     ]
     if membership:
-        of_split = membership.fields_of_images(files | {"extract": {"fileProperty": "fullpath"}})
-        names = {field["name"] for field in of_split}
-        fields = [*(field for field in fields if field["name"] not in names), *of_split]
+        split_fields = membership.fields_of_images(files | {"extract": {"fileProperty": "fullpath"}})
+        names = {field["name"] for field in split_fields}
+        fields = [*(field for field in fields if field["name"] not in names), *split_fields]
     return {
         "@type": "cr:RecordSet",
         "@id": IMAGES,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.lighting.illuminance import on_the_floor
-from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
+from blender_scenes.preview.light import from_all_around, from_panels, from_sky, from_sun
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene.description import LightPanel, Sky, Sun
@@ -59,7 +59,7 @@ def test_all_around_is_the_light_of_an_integrating_sphere():
 
 def test_the_sky_has_the_luminance_of_its_panorama_whatever_its_saturation():
     for saturation in (0.0, 0.5, 1.0):
-        sky = of_the_sky(Sky("forest", 0.0, 2.0, 10.0, saturation))
+        sky = from_sky(Sky("forest", 0.0, 2.0, 10.0, saturation))
         assert sky @ LUMINANCE == pytest.approx(2.0 * np.array([1.0518, 1.1792, 1.3717]) @ LUMINANCE)
 
 

@@ -45,8 +45,8 @@ def test_each_run_is_in_one_split_and_the_same_rule_gives_the_same_splits():
     runs = members()
     record = assign(by("run"), runs, "")
     assert Counter(run for ones in record.runs.values() for run in ones) == Counter(run.run for run in runs)
-    assert assign(by("run"), list(reversed(runs)), "").of_runs == record.of_runs
-    assert assign(by("run", seed=8), runs, "").of_runs != record.of_runs
+    assert assign(by("run"), list(reversed(runs)), "").split_by_run == record.split_by_run
+    assert assign(by("run", seed=8), runs, "").split_by_run != record.split_by_run
 
 
 def test_over_many_seeds_each_run_is_tested_as_often_as_its_share():
@@ -96,7 +96,7 @@ def test_splits_by_image_divide_runs_and_contain_each_image_once():
         "validation": 15,
         "test": 15,
     }
-    assert len(record.of_images) == 100
+    assert len(record.split_by_image) == 100
     assert all(len(record.images["train"][run.run]) < 25 for run in runs)
 
 
@@ -163,7 +163,7 @@ def test_each_split_has_the_same_mix_of_looks_up_to_one_run(seed):
         got = Counter(look_of[run] for run in ones)
         for look, count in looks.items():
             assert abs(got[look] - count * len(record.runs[split]) / len(runs)) < 1 + 1e-6
-    assert assign(rule, list(reversed(runs)), "").of_runs == record.of_runs
+    assert assign(rule, list(reversed(runs)), "").split_by_run == record.split_by_run
 
 
 def test_runs_of_each_look_are_divided_as_the_shares_say():

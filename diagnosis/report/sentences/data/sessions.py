@@ -15,8 +15,9 @@ class _Words:
 
     subject: str
     positive: str
+    """What a positive number means."""
     negative: str
-    """The same as `positive` for a number of the other sign."""
+    """What a negative number means."""
     unit: str
     """A thousandth of the effect's unit."""
 
