@@ -25,6 +25,8 @@ MIN_UNITS = 2
 
 @dataclass(frozen=True)
 class LogFile:
+    """The cells of a log, as text, with the place of each row in the file."""
+
     path: Path
     columns: Mapping[str, tuple[str, ...]]
     """(N,) cells of each column."""

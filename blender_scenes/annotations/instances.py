@@ -19,6 +19,8 @@ ON_THE_FLOOR = frozenset({"floor", "line"})
 
 @dataclass(frozen=True)
 class Instance:
+    """A wall, an obstacle, the line or another thing that annotations name."""
+
     id: int
     """Number from 1; 0 means that there is no surface."""
     name: str
@@ -40,6 +42,8 @@ class Instance:
 
 @dataclass(frozen=True)
 class Instances:
+    """All instances of a scene, with those that its meshes belong to."""
+
     known: tuple[Instance, ...]
     """All instances, sorted by id."""
     of_mesh: tuple[int, ...]

@@ -59,6 +59,8 @@ class Solid:
 
 @dataclass(frozen=True)
 class AnnotationJob(JobText):
+    """What a Blender process needs to annotate the images of a run."""
+
     FORMAT = 4
     KIND = "annotation"
 

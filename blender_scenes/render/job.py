@@ -40,6 +40,8 @@ class FramePose:
 
 @dataclass(frozen=True)
 class RenderJob(JobText):
+    """What a Blender process needs to render the images of a run."""
+
     FORMAT = 5
     KIND = "render"
 

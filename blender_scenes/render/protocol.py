@@ -11,6 +11,8 @@ Work = Literal["images", "annotations"]
 
 
 class RenderRequest(Message):
+    """Request to a Blender process to make the files of some frames."""
+
     work: Work
     job_path: str
     """Path of a render job or an annotation job."""
@@ -36,6 +38,8 @@ class ProbeStep(Message):
 
 
 class FrameBegun(Message):
+    """Report of a Blender process that it begins a frame."""
+
     number: int
     kind: Literal["begun"] = "begun"
 

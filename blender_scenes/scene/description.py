@@ -31,6 +31,8 @@ def _is_none(mean: RGB | None) -> bool:
 
 @dataclass(frozen=True)
 class Mesh:
+    """A mesh of polygons, each with the name of its surface."""
+
     name: str
     vertices: tuple[Point3, ...]
     """(N, 3) [m]."""
@@ -63,6 +65,8 @@ class LightPanel:
 
 @dataclass(frozen=True)
 class Sun:
+    """Parallel light."""
+
     towards: Point3
     """Unit vector from the scene to the sun."""
     irradiance: RGB
@@ -93,6 +97,8 @@ class Sky:
 
 @dataclass(frozen=True)
 class Scene:
+    """Everything that an image of a run may show, and its light."""
+
     surfaces: tuple[Surface, ...]
     meshes: tuple[Mesh, ...]
     """Meshes that stand still: floor, pieces of the line, walls and obstacles in the arena's order, room."""

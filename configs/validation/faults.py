@@ -14,6 +14,8 @@ _SHIPPED = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class ConfigFault:
+    """A fault of one field, before its place in the files is known."""
+
     path: FieldPath
     problem: str = ""
     """Description of the fault, if the value alone does not show it."""

@@ -37,6 +37,8 @@ class FullNames(GenerateJsonSchema):
 
 @dataclass(frozen=True)
 class Shape:
+    """What is allowed at one field path, by the JSON Schema of the models."""
+
     schema: Mapping[str, Any]
     """JSON Schema whose `$ref` at the top is resolved; those inside it are not."""
     definitions: Mapping[str, Any]

@@ -9,6 +9,8 @@ from diagnosis.measured.measurement import Measurement
 
 @dataclass(frozen=True)
 class Importer:
+    """A form of measured data: how it is recognised and read."""
+
     name: str
     """Value of `--importer`."""
     recognises: Callable[[Path], bool]

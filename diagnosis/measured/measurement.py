@@ -101,6 +101,8 @@ class Trial:
 
 @dataclass(frozen=True)
 class Measurement:
+    """The trials of one robot or test bench, with their source and nominal parameters."""
+
     name: str
     kind: CaseKind
     source: MeasurementSource

@@ -42,6 +42,8 @@ SLOW = 0.9
 
 @dataclass(frozen=True)
 class Noise:
+    """Estimated noise of a channel."""
+
     sd: float
     correlation: float
     """Correlation of a sample with the next; 0 for an estimate without it."""

@@ -19,6 +19,8 @@ SAME = 0.7
 
 @dataclass(frozen=True)
 class Timing:
+    """Rate and gaps of time stamps."""
+
     period_s: float
     """Usual time between two rows [s]."""
     longest_s: float

@@ -64,6 +64,8 @@ class ImageTopic:
 
 @dataclass(frozen=True)
 class Bag:
+    """The topics of a bag whose messages are read."""
+
     path: Path
     topics: tuple[Topic, ...]
     images: tuple[ImageTopic, ...]

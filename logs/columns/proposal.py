@@ -32,6 +32,8 @@ GEAR_ADVICE = (
 
 @dataclass(frozen=True)
 class Proposal:
+    """A mapping for a log, with what was guessed."""
+
     mapping: LogMapping
     warnings: tuple[str, ...]
     """Guesses that the user has to check, in one sentence each."""

@@ -46,6 +46,8 @@ TURNING = words("w omega yaw turn angular ang")
 
 @dataclass(frozen=True)
 class Quantity:
+    """A quantity of a log, with the words that recognise its column."""
+
     name: str
     """Name of the quantity in this project, with its unit."""
     groups: tuple[frozenset[str], ...]

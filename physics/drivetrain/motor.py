@@ -13,6 +13,8 @@ from configs.schema.robot import Motor
 
 @dataclass(frozen=True)
 class MotorModel:
+    """A motor with its gearbox, in quantities at the wheel shaft."""
+
     resistance_ohm: float
     torque_constant_N_m_A: float
     """Torque constant, which is also the back-EMF constant [V s/rad]."""

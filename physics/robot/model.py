@@ -28,6 +28,8 @@ def applied(functions: tuple[Callable[..., Any], ...], value: Value, *context: o
 
 @dataclass(frozen=True)
 class RobotModel:
+    """The parameters of a robot with its effects, as the simulation uses them."""
+
     config: RobotConfig
     motors: Motors
     geometry: WheelGeometry

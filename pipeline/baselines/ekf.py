@@ -55,6 +55,8 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
 
 
 class KalmanFilter:
+    """Extended Kalman filter of a robot with ranges and a map."""
+
     def __init__(self, knowledge: RobotKnowledge, further_sd: Array | None = None) -> None:
         """Begin at the start.
 

@@ -15,6 +15,8 @@ from pipeline.work.worker_process import WorkerLimits, limits_of
 
 @dataclass(frozen=True)
 class Local(Executor):
+    """Processes on this machine."""
+
     workers: int
     """Number of workers at a time."""
     limits: WorkerLimits = DEFAULT_LIMITS

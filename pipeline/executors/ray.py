@@ -61,6 +61,8 @@ class UnitRecord(BaseModel):
 
 @dataclass(frozen=True)
 class OnRay(Executor):
+    """Tasks on a Ray cluster."""
+
     address: str
     """Address of the cluster for `ray.init`: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
     limits: WorkerLimits

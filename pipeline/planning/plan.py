@@ -64,6 +64,8 @@ PER_PIXEL = " samples per pixel"
 
 @dataclass(frozen=True)
 class PlannedRun:
+    """Size and cost of one run before it is made."""
+
     run: str
     duration_s: float
     lap: bool
@@ -109,6 +111,8 @@ def _one_copy(images: int, pixels: int, *, annotated: bool) -> int:
 
 @dataclass(frozen=True)
 class ScenarioPlan:
+    """Size and cost of all runs of a scenario."""
+
     runs: tuple[PlannedRun, ...]
     """The runs with the images of the camera of data.csv."""
     cameras: tuple[PlannedRun, ...]

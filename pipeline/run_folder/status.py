@@ -43,6 +43,8 @@ RUN_STAGES = ("simulate", "render", "annotate", "assemble")
 
 @dataclass(frozen=True)
 class StageStatus:
+    """Progress of one run in one stage."""
+
     stage: str
     text: str
     """Text about what is done or what failed."""
@@ -56,6 +58,8 @@ class StageStatus:
 
 @dataclass(frozen=True)
 class RunStatus:
+    """Progress of one run through the stages."""
+
     run: str
     stages: tuple[StageStatus, ...]
 

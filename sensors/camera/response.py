@@ -36,6 +36,8 @@ _WHITE = 254.6 / 255
 
 @dataclass(frozen=True)
 class CameraResponse:
+    """The response of a camera: from light on the sensor to the pixels of a JPEG file."""
+
     seed: int
     brightness: float
     """Linear pixel value of the median luminance, including exposure compensation."""

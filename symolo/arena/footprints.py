@@ -15,6 +15,8 @@ _TURN_RAD = math.radians(5.0)
 
 @dataclass(frozen=True)
 class Rectangle:
+    """A rectangle on the floor."""
+
     center: Point
     size: tuple[float, float]
     """Lengths along its own x and y [m]."""

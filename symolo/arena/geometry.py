@@ -22,6 +22,8 @@ Kind = Literal["wall", "obstacle"]
 
 @dataclass(frozen=True)
 class Straight:
+    """A straight piece of the line, with its ends [m] in W."""
+
     start: tuple[float, float]
     end: tuple[float, float]
 
@@ -61,6 +63,8 @@ class Straight:
 
 @dataclass(frozen=True)
 class Arc:
+    """A piece of the line with constant curvature; lengths in m, angles from +x of W."""
+
     center: tuple[float, float]
     radius_m: float
     start_rad: float
@@ -210,6 +214,8 @@ class Box:
 
 @dataclass(frozen=True)
 class Arena:
+    """Floor, line, walls and obstacles."""
+
     name: str
     floor_half_extent_m: float
     floor_reflectance: float

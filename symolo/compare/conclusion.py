@@ -21,6 +21,8 @@ IDENTICAL, CLOSE, DIFFERENT = 0, 6, 7
 
 @dataclass(frozen=True)
 class Conclusion:
+    """Exit code and line at the end of a comparison."""
+
     code: int
     text: str
 

@@ -40,6 +40,8 @@ class Verdict(TextEnum):
 
 @dataclass(frozen=True)
 class FileResult:
+    """Result of the comparison of one file."""
+
     name: str
     """Path within both folders."""
     verdict: Verdict

@@ -94,6 +94,8 @@ def image_bytes(images: Iterable[Image]) -> int:
 
 @dataclass(frozen=True)
 class ExportSettings:
+    """Options of `symolo export` that the formats use."""
+
     shard_bytes: int
     """Largest size of a shard, for formats that have shards."""
     video: bool = False
@@ -104,6 +106,8 @@ class ExportSettings:
 
 @dataclass(frozen=True)
 class Exporter:
+    """A format of `symolo export`."""
+
     name: str
     """Name of the format for `--format`, and name of its output folder."""
     what: str

@@ -102,6 +102,8 @@ class RobotOutline:
 
 @dataclass(frozen=True)
 class Playback:
+    """What a page or a video shows of one run over time."""
+
     name: str
     """Name of the run, such as `CW/test_1`."""
     t_s: Array

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Licence:
+    """A licence by its SPDX identifier."""
+
     spdx: str
     name: str
     url: str

@@ -38,6 +38,8 @@ DOCUMENTS_BYTES = 1_000_000
 
 @dataclass(frozen=True)
 class Plan:
+    """The files of a packed release before any of them is made."""
+
     root: Path
     about: About
     metadata: Metadata

@@ -25,6 +25,8 @@ class KnownMember(Member):
 
 @dataclass(frozen=True)
 class PlannedShard:
+    """A tar with some of the files of a release."""
+
     name: str
     members: tuple[KnownMember, ...]
 

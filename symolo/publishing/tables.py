@@ -20,6 +20,8 @@ RUN = "run"
 
 @dataclass(frozen=True)
 class PlannedTable:
+    """One table with the rows of all runs."""
+
     name: str
     """`rows` for data.csv, otherwise the name of the side table."""
     source: str

@@ -29,6 +29,8 @@ RUN = "run"
 
 @dataclass(frozen=True)
 class Dataset:
+    """The runs of a release, or a single run, with their metadata; nothing is read before it is used."""
+
     root: Path
     """The folder that holds metadata.json, or that of the one run."""
     metadata: Metadata | None

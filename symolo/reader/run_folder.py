@@ -36,6 +36,8 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Image:
+    """One image of a run, with the pose of robot and camera; its file is opened by `pixels`."""
+
     run: "RunFolder"
     number: int
     """Number in the column `img` of data.csv, from 1."""

@@ -18,6 +18,8 @@ from symolo.reader.tables import frame
 
 @dataclass(frozen=True)
 class RunSensor:
+    """A sensor of `robot.sensors` in one run."""
+
     name: str
     settings: SensorSection
     """Settings of the sensor in this run, as side/spec.json has them."""

@@ -16,6 +16,8 @@ from symolo.verification.inventory import LISTS, Inventory
 
 @dataclass(frozen=True)
 class StoreComparison:
+    """The differences between a release and a store."""
+
     missing: tuple[LocalFile, ...]
     different: Mapping[str, str]
     """Difference of each object that has another size or checksum than the file, by path."""

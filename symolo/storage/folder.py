@@ -21,6 +21,8 @@ from symolo.storage.base import LocalFile
 
 @dataclass(frozen=True)
 class Folder:
+    """A folder as a store."""
+
     url: str
     root: Path
 

@@ -11,6 +11,8 @@ MAX_PER_KIND = 5
 
 @dataclass(frozen=True)
 class Finding:
+    """One fault of a dataset."""
+
     file: str
     what: str
 

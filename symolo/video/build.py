@@ -24,6 +24,8 @@ _SHAPE = Fraction(9, 16)
 
 @dataclass(frozen=True)
 class VideoSettings:
+    """Size, rate and speed of a video, and how many runs it shows."""
+
     width_px: int
     """Width of the frames; the height is 9/16 of it, both rounded to even numbers, as H.264 demands."""
     fps: Fraction

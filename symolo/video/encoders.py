@@ -108,6 +108,8 @@ def _durations_ms(film: Film, unit_ms: int) -> list[int]:
 
 @dataclass(frozen=True)
 class VideoFormat:
+    """A file format of videos."""
+
     chunks: Callable[[Film], Iterator[bytes]]
     """Function that encodes a film."""
     width_px: int

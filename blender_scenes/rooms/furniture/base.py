@@ -20,6 +20,8 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Piece:
+    """A piece of furniture at the origin, with its surfaces and its random numbers."""
+
     mesh: Mesh
     surfaces: tuple[Surface, ...]
     numbers: object

@@ -25,6 +25,8 @@ class Field:
 
 @dataclass(frozen=True)
 class Poster:
+    """Size, height and print of a poster."""
+
     size_m: tuple[float, float]
     sill_m: float
     """Height of its lower edge above the floor."""

@@ -40,6 +40,8 @@ _PARSER_CURES = {
 
 @dataclass(frozen=True)
 class Document:
+    """A YAML file that was read."""
+
     path: Path
     root: Node
     """Top node of the document, whose value is a mapping."""

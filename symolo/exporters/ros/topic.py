@@ -42,6 +42,8 @@ class Log:
 
 @dataclass(frozen=True)
 class Topic:
+    """A topic of a bag."""
+
     name: str
     type: str
     messages: Callable[[Log, Vocabulary], Iterator[Stamped]]

@@ -20,6 +20,8 @@ MAX_PATHS = 60
 
 @dataclass(frozen=True)
 class ReleaseFacts:
+    """The facts of a release that its page shows."""
+
     metadata: Metadata
     runs: tuple[RunFacts, ...]
     """The selected runs, in the order of the release."""

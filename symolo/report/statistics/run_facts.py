@@ -26,6 +26,8 @@ class RunPath:
 
 @dataclass(frozen=True)
 class RunFacts:
+    """The facts of one run that the page shows."""
+
     record: RunRecord
     arena: Arena
     drawn: dict[str, float | int | str | bool]
