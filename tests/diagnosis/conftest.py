@@ -1,13 +1,15 @@
 """Logs of drives by the twin, of robots that are known, and a diagnosis among few effects."""
 
-from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from diagnosis import diagnose as diagnose_module
+from configs.effects.registry import EFFECTS
+from diagnosis.diagnose import diagnose
 from diagnosis.engine.base import by_twin
+from diagnosis.inference.selection import candidates
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.tables.time_series import TimeSeries
@@ -31,16 +33,12 @@ def diagnosed_among():
     A test names those effects that could stand for what it hides. Without any, nothing is named: that is for tests of
     everything else that a diagnosis finds.
     """
-    every = diagnose_module.candidates
 
     def diagnosed(measurement, *names):
-        def few(*arguments):
-            library = every(*arguments)
-            return replace(library, testable=tuple(e for e in library.testable if e.kind.name in names))
-
+        few = SimpleNamespace(classes=lambda: tuple(e for e in EFFECTS.classes() if e.name in names))
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(diagnose_module, "candidates", few)
-            return diagnose_module.diagnose(measurement)
+            patch.setattr(candidates, "EFFECTS", few)
+            return diagnose(measurement)
 
     return diagnosed
 

@@ -32,17 +32,19 @@ def names(answer):
 @pytest.mark.parametrize(
     ("kind", "name", "parameters", "rows"),
     [
-        ("motor_steady", "winding_resistance_scale", {"scale": 1.25}, "few"),
+        pytest.param("motor_steady", "winding_resistance_scale", {"scale": 1.25}, "few", marks=pytest.mark.long),
         ("motor_steady", "coulomb_friction_scale", {"scale": 1.6}, "few"),
         ("motor_steady", "stribeck_friction", {"extra_torque_N_m": 0.015, "stribeck_speed_rad_s": 2.0}, "few"),
-        ("motor_steady", "supply_sag", {"source_resistance_ohm": 0.8}, "usual"),
+        pytest.param("motor_steady", "supply_sag", {"source_resistance_ohm": 0.8}, "usual", marks=pytest.mark.long),
         ("motor_steady", "current_sensor_offset", {"offset_A": 0.02}, "few"),
-        ("motor_steady", "speed_scale", {"scale": 0.9}, "few"),
+        pytest.param("motor_steady", "speed_scale", {"scale": 0.9}, "few", marks=pytest.mark.long),
         ("tof_bench", "range_scale", {"scale": 1.04}, "few"),
         ("tof_bench", "log_range_error", {"coefficient_m": 0.03}, "few"),
         ("tof_bench", "material_bias", {"material": "black_card", "offset_m": -0.012}, "usual"),
-        ("tof_bench", "material_slope", {"material": "plastic", "coefficient": 0.04}, "usual"),
-        ("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}, "usual"),
+        pytest.param(
+            "tof_bench", "material_slope", {"material": "plastic", "coefficient": 0.04}, "usual", marks=pytest.mark.long
+        ),
+        pytest.param("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}, "usual", marks=pytest.mark.long),
         ("tof_bench", "range_saturation", {"saturation_m": 0.9}, "few"),
         ("tof_bench", "noise_scale", {"scale": 3.0}, "usual"),
         pytest.param("motor_step", "rotor_inertia_scale", {"scale": 1.4}, "few", marks=pytest.mark.long),
