@@ -7,31 +7,27 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from diagnosis.diagnose import diagnose
 from diagnosis.importers import tof_bench
-from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.unexplained.drift.search import DriftSearch
 
-pytestmark = pytest.mark.usefixtures("cases_on_the_path")
 SD_M, TAU_S = 0.01, 12.0
 
 
-@pytest.fixture
-def drifting(tmp_path):
+@pytest.fixture(scope="module")
+def drifting(tmp_path_factory, nominal_fit, cases_on_the_path):
     """The measured evidence of a bench of 150 rows with a random drift, and its fit without effects."""
+    del cases_on_the_path
     gap = importlib.import_module("gap_cases")
     case = gap.make_case("tof_bench", 8, rows="some")
     t_s = case.columns["t_s"]
     covariance = np.exp(-np.abs(np.subtract.outer(t_s, t_s)) / TAU_S)
     path_m = SD_M * np.linalg.cholesky(covariance) @ np.random.default_rng(3).standard_normal(len(t_s))
-    folder = tmp_path / "case"
+    folder = tmp_path_factory.mktemp("bench") / "case"
     gap.write(
         replace(case, columns={**case.columns, "reading_m": np.round(case.columns["reading_m"] + path_m, 3)}), folder
     )
-    diagnosis = diagnose(tof_bench.IMPORTER.read(folder))
-    nominal = diagnosis.selection.nominal
-    (fit,) = fits(diagnosis.measured, [(nominal.hypothesis, nominal.x)])
-    return diagnosis.measured, fit
+    fit = nominal_fit(tof_bench.IMPORTER.read(folder))
+    return fit.evidence, fit
 
 
 def test_the_rows_have_the_likelihood_of_a_gaussian_process(drifting):

@@ -7,19 +7,15 @@ import numpy as np
 import pytest
 
 from diagnosis import diagnose as diagnose_module
-from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
 from diagnosis.extended_robot import extended_robot
 from diagnosis.importers import tof_bench
-from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fitting.fit import fits
-from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.gain import trimmed_rms
 from diagnosis.inference.naming.verdict import CaseVerdict
 from diagnosis.inference.selection.selected import selected
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
 from diagnosis.inference.unexplained.drift import search as module
 from diagnosis.inference.unexplained.drift.random_drift import random_drift
-from diagnosis.predictors import STAGES
 from diagnosis.report.report_data import report_data
 from diagnosis.report.sentences.effects.named import effect_sentences
 from diagnosis.report.sentences.verdict.headline import headline
@@ -57,15 +53,15 @@ def diagnosed(bench, diagnosed_among):
     return lambda error_m, *further, **bench_of: diagnosed_among(bench(error_m, **bench_of), *OF_TIME, *further)
 
 
-def drift_of(measurement):
+@pytest.fixture
+def drift_of(nominal_fit):
     """The random drift that a bench shows beside the nominal robot."""
-    robot = nominal_of(measurement, base_robot_of(measurement, None))
-    evidence, bare = (
-        Evidence(STAGES[measurement.kind](measurement, robot)),
-        Hypothesis(robot, spreads_of(measurement, robot)),
-    )
-    (fit,) = fits(evidence, [(bare, bare.null())])
-    return random_drift(evidence, fit, fit)
+
+    def of(measurement):
+        fit = nominal_fit(measurement)
+        return random_drift(fit.evidence, fit, fit)
+
+    return of
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +151,7 @@ def test_a_linear_drift_is_no_random_one(diagnosed):
     assert "range_wander" not in diagnosed(lambda t_s: 1e-4 * t_s).names
 
 
-def test_noise_whose_neighbours_have_a_correlation_of_a_fifth_is_no_random_drift(bench):
+def test_noise_whose_neighbours_have_a_correlation_of_a_fifth_is_no_random_drift(bench, drift_of):
     assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 1.2))) is None
     assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 25.0))) is not None
 
@@ -211,7 +207,7 @@ def test_what_depends_on_the_distance_is_no_random_drift(swept, error_m):
     assert diagnosis.answer()["unexplained"]
 
 
-def test_a_target_at_rest_shows_a_random_drift_but_not_whether_it_is_one_of_the_scale(at_rest):
+def test_a_target_at_rest_shows_a_random_drift_but_not_whether_it_is_one_of_the_scale(at_rest, drift_of):
     """Both have the same likelihood at one distance, whatever a sum in another order does to the last digits."""
     for distance_m in (0.2, 0.3, 0.41):
         error = drift_of(at_rest(distance_m, lambda t_s: gauss_markov(t_s, 0.006, 60.0)))
@@ -310,7 +306,7 @@ def test_an_error_along_another_covariate_must_only_be_less_likely(drifting, mon
 
 
 @pytest.mark.parametrize(("row_s", "tau_s"), [(0.008, 0.1), (1200.0, 15_000.0)], ids=["8 ms", "20 minutes"])
-def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_limits(bench, row_s, tau_s):
+def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_limits(bench, drift_of, row_s, tau_s):
     drift = drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, tau_s), slower=0.5 * row_s))
     assert drift is not None
     time_constant = RangeWander.parameters()["time_constant_s"]
@@ -318,5 +314,5 @@ def test_a_random_drift_of_rows_of_any_distance_has_a_time_constant_within_its_l
 
 
 @pytest.mark.parametrize("row_s", [1e-4, 1e4])
-def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_random_drift(bench, row_s):
+def test_rows_too_close_or_too_far_apart_for_any_time_constant_show_no_random_drift(bench, drift_of, row_s):
     assert drift_of(bench(lambda t_s: gauss_markov(t_s, 0.006, 20.0 * row_s), slower=0.5 * row_s)) is None
