@@ -271,7 +271,7 @@ class TestCleaned:
         alone = cleaned(spread[given], residuals[given], fitted[given], ~fitted[given]).z
         np.testing.assert_allclose(z[given], alone)
 
-    @pytest.mark.parametrize("fitted_rows", [0, 15, 30])
+    @pytest.mark.parametrize("fitted_rows", [0, pytest.param(15, marks=pytest.mark.long), 30])
     def test_cleaned_readings_of_many_units_are_white_noise_fitted_or_not(self, spread, fitted_rows):
         """Over 2000 units, the standard error of a mean square is the root of 2 / 2000, of a product 1 / root 2000."""
         fitted = np.arange(self.N) < fitted_rows
