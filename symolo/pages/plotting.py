@@ -4,6 +4,7 @@ Figures are made without pyplot, which has a global state and needs a display.
 """
 
 import io
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -48,6 +49,35 @@ def svg(figure: "Figure") -> bytes:
         buffer = io.BytesIO()
         figure.savefig(buffer, format="svg", dpi=RESOLUTION_DPI, metadata={"Date": None, "Creator": None})
         return buffer.getvalue()
+
+
+def set_margins(
+    figure: "Figure", columns: int, *, left_in: float, bottom_in: float, top_in: float, between_in: float = 0.0
+) -> None:
+    """Place a row of panels. Matplotlib's layout engine does it alone, but takes half as long as all the drawing.
+
+    Args:
+        figure: The figure, in the size in which it is drawn.
+        columns: Number of panels.
+        left_in: Margin [in] for the labels of the first panel.
+        bottom_in: Margin [in] for the labels below.
+        top_in: Margin [in] for the titles.
+        between_in: Distance [in] of two panels, for the labels of the second one.
+    """
+    (width_in, height_in), right_in = figure.get_size_inches(), 0.2
+    panel_in = (width_in - left_in - right_in - (columns - 1) * between_in) / columns
+    figure.subplots_adjust(
+        left=left_in / width_in,
+        right=1.0 - right_in / width_in,
+        bottom=bottom_in / height_in,
+        top=1.0 - top_in / height_in,
+        wspace=between_in / panel_in,
+    )
+
+
+def width_of_labels_in(labels: Iterable[str]) -> float:
+    """Return about the width [in] of small labels beside an axis, with their distance to it; at most 4 inches."""
+    return min(0.2 + 0.075 * max(map(len, labels), default=0), 4.0)
 
 
 def finished(

@@ -10,7 +10,7 @@ from diagnosis.inference.gain import KEPT_SHARE
 from diagnosis.measured.noise import mean_of_smallest_squares
 from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED
 from diagnosis.report.report_data import ReportData
-from symolo.pages.plotting import GREY, finished, png
+from symolo.pages.plotting import GREY, finished, png, set_margins, width_of_labels_in
 
 MARKER_OFFSET = 0.14
 MARKERS = ("x", "s", "o")
@@ -26,7 +26,9 @@ def gain_plot(data: ReportData) -> bytes:
     ]
     if data.diagnosis.fitted_effects:
         points.append(("extended", AFTER, [quantity.extended.after for quantity in by_quantity]))
-    figure = Figure(figsize=(7.2, 1.3 + 0.42 * len(by_quantity)), layout="constrained")
+    figure = Figure(figsize=(7.2, 1.3 + 0.42 * len(by_quantity)))
+    left_in = width_of_labels_in(quantity.name for quantity in by_quantity)
+    set_margins(figure, 1, left_in=left_in, bottom_in=0.5, top_in=0.5)
     axes = figure.subplots()
     for k, (name, colour, errors) in enumerate(points):
         at = places + (k - (len(points) - 1) / 2) * MARKER_OFFSET

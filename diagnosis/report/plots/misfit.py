@@ -10,7 +10,7 @@ from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, l
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
-from symolo.pages.plotting import finished, png
+from symolo.pages.plotting import finished, png, set_margins
 
 SIZE_IN = (3.1, 3.1)
 """Size of a panel."""
@@ -29,11 +29,9 @@ def misfit_plot(data: ReportData, k: int) -> bytes:
     panels = 1 + len(models)
     is_map = covariate is not None and covariate.second is not None
     figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained" if is_map else None)
-    if not is_map:  # the layout engine takes as long as all the drawing
-        width = SIZE_IN[0] * panels
+    if not is_map:
         lines = 1 if covariate is None else label_below(covariate).count("\n") + 1
-        bottom = 0.1 + 0.06 * lines
-        figure.subplots_adjust(left=0.92 / width, right=1.0 - 0.1 / width, bottom=bottom, top=0.84, wspace=0.31)
+        set_margins(figure, panels, left_in=0.92, bottom_in=0.31 + 0.19 * lines, top_in=0.5, between_in=0.71)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
     _values(axes[0], observed, [data.means[0][place], data.means[last[2]][place]], last, data.z[1][place])

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from diagnosis.posterior.predictive_check import STATISTICS, CheckedStatistic
 from diagnosis.report.plots.panels import MEASURED
-from symolo.pages.plotting import PALE, VERMILION, finished, png
+from symolo.pages.plotting import PALE, VERMILION, finished, png, set_margins, width_of_labels_in
 
 IN_SD = ("median", "half width of the middle 68 %")
 """Statistics with a unit."""
@@ -17,7 +17,9 @@ def predictive_plot(checks: Sequence[CheckedStatistic]) -> bytes:
     """Return the plot as PNG, with a panel for each statistic and a row for each quantity."""
     labels = list(dict.fromkeys(f"{each.quantity}, {each.rows}" for each in checks))
     names = [name for name in STATISTICS if any(each.name == name for each in checks)]
-    figure = Figure(figsize=(2.0 + 2.5 * len(names), 1.0 + 0.3 * len(labels)), layout="constrained")
+    left_in = width_of_labels_in(labels)
+    figure = Figure(figsize=(left_in + 2.2 * len(names), 1.0 + 0.3 * len(labels)))
+    set_margins(figure, len(names), left_in=left_in, bottom_in=0.5, top_in=0.3, between_in=0.15)
     panels = figure.subplots(1, len(names), squeeze=False, sharey=True).ravel()
     for axes, name in zip(panels, names, strict=True):
         for each in (each for each in checks if each.name == name):

@@ -9,7 +9,7 @@ from diagnosis.predictors.base import ROW_TIME
 from diagnosis.report.plots.panels import AFTER
 from diagnosis.report.sentences.quantities import axis
 from symolo.core.arrays import Array
-from symolo.pages.plotting import finished, png
+from symolo.pages.plotting import finished, png, set_margins
 
 NORMAL_95 = 1.96
 
@@ -18,7 +18,8 @@ def unseen_plot(prediction: UnseenPrediction) -> bytes:
     """Return one panel for each reading as PNG."""
     name, x = prediction.along
     names = prediction.readings
-    figure = Figure(figsize=(3.4 * len(names), 3.1), layout="constrained")
+    figure = Figure(figsize=(3.4 * len(names), 3.1))
+    set_margins(figure, len(names), left_in=0.92, bottom_in=0.5, top_in=0.3, between_in=0.92)
     for axes, reading in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         mean, half = prediction.columns[reading], NORMAL_95 * prediction.columns[f"{SD}{reading}"]
         for rows in _stretches(x, is_log=name == ROW_TIME):
