@@ -7,23 +7,18 @@ noise in every reading, it would become overconfident in a wrong pose.
 """
 
 from collections.abc import Sequence
-from math import radians
 
 import numpy as np
 
 from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.motion import STATES, WheelMotion, initial_state, rolled_distances_m
-from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
+from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, MOUNT_SD_RAD, OFFSET_SD_M, RangeModel, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from sensors.ranging.tof import log_error_m
 from symolo.core.arrays import Array
 from symolo.evaluation.estimate import Estimate
 
 RAYS = 30
-OFFSET_SD_M = 0.003
-"""Standard deviation of the offset of a sensor with its place on the robot, if both are measured by hand (assumed)."""
-MOUNT_SD_RAD = radians(1.0)
-"""Standard deviation of the angle by which a sensor is turned in its mount (assumed)."""
 BEAM_SHARE = 0.1
 """Standard deviation of the error of an expected range as a share of the spread of its rays: a data sheet has the width
 of a beam and not how the light falls off towards its edge (assumed)."""

@@ -1,12 +1,14 @@
 """Particle filter: odometry, weighted by ToF and line readings (Thrun, Burgard and Fox, Probabilistic Robotics, 2005,
 sections 4.3, 6.3 and 8.3).
 
-A particle is a pose and, as in the EKF, the parameters of the wheels. Resampling moves each particle a little towards
-the mean and then scatters it, which keeps mean and covariance (Liu and West, "Combined parameter and state estimation
-in simulation-based filtering", 2001). Without the scattering, the constant parameters would soon have a single value.
+A particle is a pose and, as in the EKF, the parameters of the wheels. These are constant: motion does not spread them,
+so what resampling loses of their spread is lost for the rest of the run. Resampling therefore draws from a smooth
+density, whose kernel is as wide as so few particles need (the regularised particle filter of Musso, Oudjane and Le
+Gland, "Improving regularised particle filters", 2001), and keeps the weighted mean and covariance exactly.
 
 An error in one reading is in the next one too, so all readings of a second count as one (Probabilistic Robotics,
-section 6.3.4): the logarithm of each likelihood is multiplied by the share of the second between two readings.
+section 6.3.4): the logarithm of each likelihood is multiplied by the share of the second between two readings. The
+offset of a sensor, and its turn in the mount, are errors of this kind; in the EKF they are states.
 """
 
 from collections.abc import Sequence
@@ -17,7 +19,7 @@ from scipy.special import logsumexp
 from pipeline.baselines.base import Method, TrainingRun
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.motion import WheelMotion, initial_state, rolled_distances_m
-from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
+from pipeline.baselines.range_model import OFFSET_SD_M, RangeModel, lasting_sd_m, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.dataset.tables.rows import Ints, wrapped
@@ -27,8 +29,8 @@ PARTICLES = 300
 RAYS = 6
 AS_ONE_S = 1.0
 """Time [s] within which all readings count as one."""
-SCATTER = 0.22
-"""Bandwidth of the scattering as a share of the spread of the particles; Liu and West call it a discount of 0.95."""
+ENOUGH = 0.8
+"""Share of the particles that the effective sample size must not fall below. Early resampling makes its steps small."""
 SEEN, SHORT, MISSED = 0.8, 0.15, 0.05
 """Shares of the readings where the map has a target: of the target, of an object before it, and without target."""
 STRAY = 0.2
@@ -48,13 +50,47 @@ def resampled(weight: Array, offset: float) -> Ints:
     return np.minimum(np.searchsorted(np.cumsum(weight), comb, side="right"), len(weight) - 1)
 
 
-def scattered(particles: Array, rng: np.random.Generator) -> Array:
-    """Return the particles (N, D) shrunk to their mean and scattered, with unchanged mean and covariance."""
-    mean = particles.mean(axis=0)
+def bandwidth(count: int, numbers: int) -> float:
+    """Return the standard deviation of a Gaussian kernel as a share of the spread of particles with that many numbers.
+
+    It is the best one for a normal density (Silverman, Density Estimation for Statistics and Data Analysis, 1986,
+    section 4.3.2).
+    """
+    return float((4.0 / ((numbers + 2.0) * count)) ** (1.0 / (numbers + 4.0)))
+
+
+def with_moments(particles: Array, mean: Array, root: Array) -> Array:
+    """Return the particles (N, D) moved and stretched a little, so that their mean is `mean` (D,) and their covariance
+    is root.T @ root, with a triangular root (D, D) as of `_root`.
+
+    Random draws have these moments only on average (second-order accuracy: Acevedo, de Wiljes and Reich, "Second-order
+    accurate ensemble transform particle filters", SIAM Journal on Scientific Computing 39 (2017) A1834-A1850).
+    """
+    from_mean = particles - particles.mean(axis=0)
+    stretch = np.linalg.lstsq(_root(from_mean / np.sqrt(len(particles))), root, rcond=None)[0]
+    return mean + from_mean @ stretch
+
+
+def regularised(particles: Array, weight: Array, rng: np.random.Generator) -> Array:
+    """Return particles (N, D) of equal weight for particles of weights (N,): resampled and scattered.
+
+    Mean and covariance stay exactly as they were. The particles move towards the mean by as much as the scattering
+    spreads them (Liu and West, "Combined parameter and state estimation in simulation-based filtering", 2001).
+    """
+    mean = weight @ particles
     from_mean = particles - mean
-    spread = np.linalg.qr(from_mean / np.sqrt(len(particles)), mode="r")
-    noise = rng.standard_normal(particles.shape) @ spread
-    return mean + np.sqrt(1.0 - SCATTER**2) * from_mean + SCATTER * noise
+    root = _root(np.sqrt(weight)[:, None] * from_mean)
+    share = bandwidth(*particles.shape)
+    noise = rng.standard_normal(particles.shape) @ root
+    scattered = np.sqrt(1.0 - share**2) * from_mean[resampled(weight, rng.random())] + share * noise
+    return with_moments(scattered, mean, root)
+
+
+def _root(factor: Array) -> Array:
+    """Return the upper triangle R (D, D) with a diagonal that is not negative and R.T @ R = factor.T @ factor."""
+    _, root = np.linalg.qr(factor)
+    sign: Array = np.copysign(1.0, np.diag(root))
+    return sign[:, None] * root
 
 
 class ParticleCloud:
@@ -64,7 +100,8 @@ class ParticleCloud:
         self._rng, self._count = rng, count
         self._motion = WheelMotion.of(knowledge)
         state, covariance = initial_state(knowledge.start)
-        self.particles = state + rng.standard_normal((count, len(state))) * np.sqrt(np.diag(covariance))
+        drawn = rng.standard_normal((count, len(state)))
+        self.particles = with_moments(drawn, state, np.linalg.cholesky(covariance).T)
         self.log_weight = np.full(count, -np.log(count))
 
     def predict(self, rolled_m: Array) -> None:
@@ -82,8 +119,8 @@ class ParticleCloud:
         self.log_weight += log_likelihood * min(since_s / AS_ONE_S, 1.0)
         self.log_weight -= logsumexp(self.log_weight)
         weight = np.exp(self.log_weight)
-        if 1.0 / np.sum(weight**2) < 0.5 * self._count:
-            self.particles = scattered(self.particles[resampled(weight, self._rng.random())], self._rng)
+        if 1.0 / np.sum(weight**2) < ENOUGH * self._count:
+            self.particles = regularised(self.particles, weight, self._rng)
             self.log_weight = np.full(self._count, -np.log(self._count))
 
     def estimate(self) -> tuple[Array, Array]:
@@ -119,10 +156,11 @@ class _ParticleFilter(ParticleCloud):
 
     def _range_log_likelihood(self, ranges_m: Array, seen_from: Array) -> Array:
         """Return the logarithm (P, 3) of the likelihood of the readings (3,) [m] from poses (P, 3)."""
-        expected_m = self._ranges.expected(seen_from)
+        mean = np.exp(self.log_weight) @ seen_from
+        expected_m, turn_m = self._ranges.expected_and_turn_error(seen_from, mean)
         target = ~np.isnan(expected_m)
         filled = np.where(target, expected_m, self._longest_m)
-        sd_m = np.hypot(white_sd_m(filled), lasting_sd_m(filled))
+        sd_m = np.sqrt(white_sd_m(filled) ** 2 + lasting_sd_m(filled) ** 2 + OFFSET_SD_M**2 + turn_m**2)
         read = ~np.isnan(ranges_m)
         reading = np.where(read, ranges_m, 0.0)
         bell = np.exp(-0.5 * ((reading - filled) / sd_m) ** 2) / (np.sqrt(2.0 * np.pi) * sd_m)

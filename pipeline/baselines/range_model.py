@@ -4,6 +4,7 @@ A sensor is a cone of few rays whose ranges are averaged by beam profile and inc
 """
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,10 @@ LASTING_SD_M = float(np.hypot(SURFACE_SD_M, MAP_SD_M))
 """Standard deviation [m] of an offset that stays while the robot looks at one wall."""
 GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
 """Scale of the error in the form of Eq. 24: at 1 m it gives the 3 % of the data sheet of the VL53L0X."""
+OFFSET_SD_M = 0.003
+"""Standard deviation of the offset of a sensor with its place on the robot, if both are measured by hand (assumed)."""
+MOUNT_SD_RAD = radians(1.0)
+"""Standard deviation of the angle by which a sensor is turned in its mount (assumed)."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,7 @@ class RangeModel:
         self._profile /= self._profile.sum()
         self._head_on = float(self._profile @ np.cos(angle))
         self._directions_R = np.concatenate([ray_directions(mount, angle, roll) for mount in drawing.mounts])
+        self._mounts_R = np.array([[mount.x_m, mount.y_m] for mount in drawing.mounts])
         origins = [[mount.x_m, mount.y_m, mount.z_m] for mount in drawing.mounts]
         self._origins_R = np.repeat(np.array(origins), rays, axis=0)
         self.age_s = 0.5 * drawing.range_period_s
@@ -76,6 +82,15 @@ class RangeModel:
         seen = (returned >= MIN_SIGNAL * self._head_on) & (range_m <= self._longest_m)
         return np.where(seen, range_m, np.nan)
 
+    def expected_and_turn_error(self, poses: Array, mean: Array) -> tuple[Array, Array]:
+        """Return `expected` at the poses (P, 3), and the error (3,) [m] that a turn of each sensor in its mount by one
+        standard deviation causes at the mean pose (3,); 0 where the turned sensor may see no target.
+        """
+        all_expected_m = self.expected(np.concatenate([poses, self._turned_in_mounts(mean)]))
+        each = np.arange(3)
+        left_m, right_m = all_expected_m[len(poses) :].reshape(2, 3, 3)[:, each, each]
+        return all_expected_m[: len(poses)], np.nan_to_num(0.5 * np.abs(left_m - right_m))
+
     def view(self, pose: Array) -> BeamView:
         """Return what the beams meet from a pose (3,)."""
         rays = self._rays(pose[None])
@@ -83,6 +98,19 @@ class RangeModel:
         met = rays.surface[0][..., None] == np.arange(self._surfaces)
         from_mean_m = rays.range_m[0] - (weight * rays.range_m[0]).sum(axis=1, keepdims=True)
         return BeamView(np.einsum("ij,ijk->ik", weight, met), np.sqrt((weight * from_mean_m**2).sum(axis=1)))
+
+    def _turned_in_mounts(self, pose: Array) -> Array:
+        """Return poses (6, 3) in which a sensor is where the pose (3,) has it, but turned: each of three left, then
+        each right.
+        """
+        yaw = pose[2] + MOUNT_SD_RAD * np.array([0.0, 1.0, -1.0])[:, None]
+        c, s = np.cos(yaw), np.sin(yaw)
+        x, y = self._mounts_R.T
+        place = np.stack([c * x - s * y, s * x + c * y], axis=2)
+        turned = np.empty((2, 3, 3))
+        turned[..., :2] = pose[:2] + place[0] - place[1:]
+        turned[..., 2] = yaw[1:]
+        return turned.reshape(6, 3)
 
     def _rays(self, poses: Array) -> _Rays:
         reach_m = REACH * self._longest_m

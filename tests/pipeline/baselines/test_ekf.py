@@ -6,9 +6,9 @@ from scipy.stats import chi2
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.baselines.ekf import METHOD, MOUNT_SD_RAD, OFFSET_SD_M, KalmanFilter, updated
+from pipeline.baselines.ekf import METHOD, KalmanFilter, updated
 from pipeline.baselines.motion import SHARES_SD, WheelMotion, rolled_distances_m
-from pipeline.baselines.range_model import LASTING_SD_M
+from pipeline.baselines.range_model import LASTING_SD_M, MOUNT_SD_RAD, OFFSET_SD_M
 from pipeline.baselines.robot_knowledge import SLIP_M_SQRT_M, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate

@@ -9,7 +9,7 @@ from configs.draw import draw_all
 from configs.loader import load_scenario
 from physics.arena.rays import RayScene
 from pipeline.baselines.line_model import LineModel
-from pipeline.baselines.range_model import BEAM_SD_SHARE, RangeModel
+from pipeline.baselines.range_model import BEAM_SD_SHARE, MOUNT_SD_RAD, RangeModel
 from pipeline.baselines.robot_knowledge import Start
 from sensors.ranging.tof import TofArray
 from symolo.arena.geometry import Arena, Box
@@ -67,6 +67,26 @@ def test_a_beam_that_half_passes_a_box_meets_it_with_half_its_share(empty):
     assert view.share[0] == pytest.approx([0.0, 0.5, 0.5], abs=0.02)
     near_m, far_m = 0.2 - 0.085, 0.5 - 0.085
     assert view.spread_m[0] == pytest.approx(0.5 * (far_m - near_m), rel=0.03)
+
+
+def test_a_sensor_turned_in_its_mount_errs_where_it_looks_at_a_wall_askew(empty):
+    """At a distance d from the wall, a thin beam at an angle a to its normal reads d / cos(a), which grows by
+    d tan(a) / cos(a) with a.
+    """
+    thin = replace(empty, drawing=replace(empty.drawing, field_of_view_rad=1e-6))
+    poses = np.array([[0.2, 0.1, 0.0], [0.1, 0.0, 0.1]])
+    model = RangeModel(thin, 6)
+    expected_m, error_m = model.expected_and_turn_error(poses, np.array([0.1, 0.0, 0.2]))
+    assert expected_m == pytest.approx(model.expected(poses))
+    angle = 0.2 + np.radians([0.0, 45.0, -45.0])
+    wall_m = 0.5 - (0.1 + 0.085 * np.cos(0.2))
+    slope_m = wall_m * np.abs(np.tan(angle)) / np.cos(angle)
+    assert error_m == pytest.approx(MOUNT_SD_RAD * slope_m, rel=0.01)
+
+
+def test_a_sensor_turned_in_its_mount_has_no_error_where_it_sees_no_target(empty):
+    _, error_m = RangeModel(empty, 6).expected_and_turn_error(np.zeros((1, 3)), np.array([0.0, 0.0, np.pi]))
+    assert np.all(error_m == 0.0)
 
 
 def test_with_its_back_to_the_wall_there_is_no_target(empty):
