@@ -71,7 +71,8 @@ def nearest_free(free: FloatImage) -> tuple[np.ndarray, np.ndarray]:
         return rows, columns
     # The nearest one, so that the floor beside a thin wall is not lit by what is behind the wall.
     holes = (~known).astype(np.uint8)
-    _, labels = cv2.distanceTransformWithLabels(holes, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
+    _, nearest = cv2.distanceTransformWithLabels(holes, cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL)
+    labels = nearest.astype(np.int64)
     rows, columns = (np.zeros(int(labels.max()) + 1, np.int64) for _ in range(2))
     rows[labels[known]], columns[labels[known]] = np.nonzero(known)
     return rows[labels], columns[labels]

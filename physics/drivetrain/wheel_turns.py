@@ -132,7 +132,7 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
 def _durations(row_s: float | Array, parts: int, count: int) -> tuple[float | Array, Sequence[float | Array]]:
     """Return the duration of each part of a row as `held_rows` takes it, and that of each row; `count` parts in all."""
     if isinstance(row_s, np.ndarray):
-        return np.repeat(row_s[..., None] / parts, parts, axis=0), row_s[..., None]
+        return np.repeat(row_s[..., None] / parts, parts, axis=0), list(row_s[..., None])
     return row_s / parts, (row_s,) * (count // parts)
 
 
