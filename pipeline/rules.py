@@ -58,10 +58,12 @@ def rule_lines(rules: Sequence[Rule[Any]], judged: Sequence[tuple[str, RuleVerdi
         function: Name of the function of the user that a rule runs.
     """
     for rule in rules:
-        own = [(choice, verdict) for choice, verdict in judged if verdict.rule is rule]
-        problems = [f"{choice}: {one.problem}" if choice else one.problem for choice, one in own if one.problem]
+        rule_verdicts = [(choice, verdict) for choice, verdict in judged if verdict.rule is rule]
+        problems = [
+            f"{choice}: {one.problem}" if choice else one.problem for choice, one in rule_verdicts if one.problem
+        ]
         name, meaning = rule.name, rule.meaning
-        if any(verdict.is_failure for _, verdict in own):
+        if any(verdict.is_failure for _, verdict in rule_verdicts):
             name, meaning = "runs", f"{function} runs without an error"
-        yield f"  {'FAILED' if problems else 'ok' if own else '-':<7}{name:<10}{meaning}"
+        yield f"  {'FAILED' if problems else 'ok' if rule_verdicts else '-':<7}{name:<10}{meaning}"
         yield from (f"         {problem}" for problem in problems)

@@ -35,20 +35,20 @@ def rows_of_trials(t_s: Array, group: Array | None, kind: CaseKind, log: LogFile
         InputError: The time goes back within a trial, at most rows, or on a range bench, which has one trial only; it
             jumps far ahead; or many times are out of order.
     """
-    kept = _kept_rows(t_s, group, log, notes) if kind in IN_TIME else np.arange(len(t_s))
-    steps = np.diff(t_s[kept])
-    new = steps < 0.0 if group is None else np.diff(group[kept]) != 0.0
+    used = _rows_in_order(t_s, group, log, notes) if kind in IN_TIME else np.arange(len(t_s))
+    steps = np.diff(t_s[used])
+    new = steps < 0.0 if group is None else np.diff(group[used]) != 0.0
     if group is None and 2 * np.count_nonzero(new) > len(steps):
         first = int(np.argmax(new))
-        raise goes_back(float(-steps[first]), log.where(int(kept[first + 1])))
+        raise goes_back(float(-steps[first]), log.where(int(used[first + 1])))
     if kind is CaseKind.TOF_BENCH and new.any():
         cure = f"sort the rows by time, or leave t_s out of {MAPPING}"
         raise InputError("the time goes back", where=log.where(int(np.argmax(new)) + 1), cure=cure)
     is_used = np.concatenate([[True], new | (steps != 0.0)])
     number = np.concatenate([[0], np.cumsum(new)])
-    trials = [kept[(number == trial) & is_used] for trial in range(int(number[-1]) + 1)]
+    trials = [used[(number == trial) & is_used] for trial in range(int(number[-1]) + 1)]
     if group is None and new.any() and kind in IN_TIME:
-        first = log.row(int(kept[int(np.argmax(new)) + 1]))
+        first = log.row(int(used[int(np.argmax(new)) + 1]))
         shortest = plural(min(map(len, trials)), "row")
         notes.append(
             f"the time goes back {plural(np.count_nonzero(new), 'time')} (first in {first}); a new trial begins at each"
@@ -63,7 +63,7 @@ def rows_of_trials(t_s: Array, group: Array | None, kind: CaseKind, log: LogFile
     return trials
 
 
-def _kept_rows(t_s: Array, group: Array | None, log: LogFile, notes: list[str]) -> Rows:
+def _rows_in_order(t_s: Array, group: Array | None, log: LogFile, notes: list[str]) -> Rows:
     """Return the rows without those whose time alone is out of order.
 
     Raises:

@@ -155,7 +155,7 @@ def init(
 
     case, warnings = case_knowing(known)
     if sys.stdin.isatty() and sys.stdout.isatty():
-        case, warnings = case_knowing({**known, **_asked(case)})
+        case, warnings = case_knowing({**known, **_typed_numbers(case)})
     measurement = case.write(out)
     notes = [*case.measurement.notes, *(note for note in measurement.notes if not note.startswith("not logged"))]
     unused = sorted(case.known.keys() - {number.key for number in case.numbers})
@@ -182,7 +182,7 @@ def _check_origin(log: Path) -> None:
         raise InputError("is a table of a run of symolo, which needs no case", where=str(log), cure=cure)
 
 
-def _asked(case: "NewCase") -> dict[str, float]:
+def _typed_numbers(case: "NewCase") -> dict[str, float]:
     """Return the numbers that the user types; Enter leaves one out."""
     from diagnosis.new_case.known_numbers import missing, value_of
 
