@@ -23,6 +23,7 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose.delayed_pose import earlier
 from diagnosis.predictors.pose.heading_error import PASSES, error_along_path, heading_error_rad, turned_by
+from diagnosis.predictors.pose.lost_counts import lost_counts
 from diagnosis.predictors.pose.motion_starts import start_covariates
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.reversals import body_rates, reversal_covariates
@@ -307,6 +308,9 @@ class Pose:
         sds, correlations, pose_noise = self._noise(measurement, nominal)
         # A place is seen from the body, which has turned until the later window begins.
         alike = (np.cos(predicted[:, 2]), np.cos(predicted[:, 2]), 1.0)
+        turns = self._ticks / nominal.encoder.counts_per_revolution
+        damages = lost_counts(turns, (first, last), nominal.drive.track_m) if self.has_wheels else ()
+        errors = tuple(zip(*damages, strict=True)) or ((),) * len(COMPONENTS)
         holdout = held_out_rows(measurement)[first] | held_out_rows(measurement)[last]
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
         if isinstance(measurement.nominal, KnownWheels):
@@ -331,6 +335,7 @@ class Pose:
                 covariates=self._with_slip(
                     tuple(replace(c, size=sizes[c.name][k]) if c.name in sizes else c for c in covariates), nominal, k
                 ),
+                input_errors=errors[k],
                 samples=f"windows of {WINDOW} rows, of which one begins at every {STRIDE}th row,",
             )
             for k, (name, unit) in enumerate(COMPONENTS)
