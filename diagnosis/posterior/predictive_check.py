@@ -113,8 +113,10 @@ def _coordinates(fit: HypothesisFit, count: int, rng: np.random.Generator) -> Ar
     """Return coordinates (count, P) from the normal distribution of a fit, within their bounds."""
     covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     values, vectors = np.linalg.eigh(covariance)
-    deviates = rng.standard_normal((count, len(fit.x))) * np.sqrt(np.maximum(values, 0.0))
-    return fit.hypothesis.clipped(fit.x + deviates @ np.asarray(vectors, dtype=np.float64).T)
+    # The symmetric root: rounding may turn the sign of an eigenvector, which would give other draws.
+    root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+    deviates = rng.standard_normal((count, len(fit.x))) @ np.asarray(root, dtype=np.float64)
+    return fit.hypothesis.clipped(fit.x + deviates)
 
 
 def _noise(fit: HypothesisFit, count: int, rng: np.random.Generator) -> Array:

@@ -1,11 +1,19 @@
 """The posterior predictive check: what the model leaves out shows, and what it has does not."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from diagnosis.posterior.predictive_check import LEVEL, STATISTICS, CheckedStatistic, _noise, predictive_check
+from diagnosis.posterior.predictive_check import (
+    LEVEL,
+    STATISTICS,
+    CheckedStatistic,
+    _coordinates,
+    _noise,
+    predictive_check,
+)
 from diagnosis.report.sentences.data.predictive import predictive_sentence
 from symolo.core.random_streams import stream
 
@@ -92,3 +100,17 @@ def test_what_chance_puts_outside_means_nothing():
     """Of 20 statistics, 1 is outside by chance, and 3 are less than two standard deviations more."""
     assert "means" not in predictive_sentence(checked("median", 1.0, 1.0, *[0.5] * 18))
     assert "means" in predictive_sentence(checked("median", 1.0, 1.0, 1.0, 1.0, *[0.5] * 16))
+
+
+def test_draws_have_the_covariance_of_the_fit_whatever_the_signs_of_eigenvectors(monkeypatch):
+    covariance = np.array([[4.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    fit = SimpleNamespace(
+        covariance=covariance, x=np.array([1.0, 2.0, 3.0]), hypothesis=SimpleNamespace(clipped=lambda x: x)
+    )
+    draws = _coordinates(fit, 20_000, np.random.default_rng(1))
+    assert np.cov(draws.T) == pytest.approx(covariance, abs=0.12)
+    assert draws.mean(axis=0) == pytest.approx(fit.x, abs=0.05)
+    values, vectors = np.linalg.eigh(covariance)
+    monkeypatch.setattr(np.linalg, "eigh", lambda _: (values, vectors * [-1.0, 1.0, -1.0]))
+    again = _coordinates(fit, 20_000, np.random.default_rng(1))
+    np.testing.assert_allclose(again, draws, rtol=1e-12)
