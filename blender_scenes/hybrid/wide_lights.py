@@ -44,7 +44,10 @@ class WideLamp:
         places = self._places(*np.meshgrid(pieces, pieces))
         away = places - floor_at
         cosines = np.maximum(-(away @ np.cross(panel.right, panel.up)), 0) * np.maximum(away[..., 2], 0)
-        light = np.where(places[..., 2] > above_m, cosines / (away**2).sum(axis=-1) ** 2, 0)
+        # Points are all over a piece, and one below what moves would throw its shadow to the other side.
+        half_rise_m = 0.5 / _ALONG * (panel.width_m * abs(panel.right[2]) + panel.height_m * abs(panel.up[2]))
+        is_above = places[..., 2] - half_rise_m > above_m
+        light = np.where(is_above, cosines / (away**2).sum(axis=-1) ** 2, 0)
         self._by_piece = light
         area_m2 = panel.width_m * panel.height_m
         self.light: Array = np.array(panel.radiance) * area_m2 * light.mean() / np.pi
