@@ -58,7 +58,7 @@ class KalmanFilter:
         The state has the pose and wheels, further numbers (K,) of these standard deviations, gain, offset and turn of
         each sensor, and the offset of the floor and of each wall and obstacle. Only pose and wheels change by moving.
         """
-        self._motion = WheelMotion.of(knowledge)
+        self._motion = WheelMotion.from_knowledge(knowledge)
         self._ranges = RangeModel(knowledge, RAYS)
         self._mounts_R = np.array([[mount.x_m, mount.y_m] for mount in knowledge.drawing.mounts])
         further = np.zeros(0) if further_sd is None else further_sd

@@ -28,7 +28,7 @@ class WheelMotion:
     """Standard deviation [m] of the random error of the distance that a wheel rolls, after 1 m."""
 
     @classmethod
-    def of(cls, knowledge: RobotKnowledge) -> "WheelMotion":
+    def from_knowledge(cls, knowledge: RobotKnowledge) -> "WheelMotion":
         """Return the motion of a robot by its drawing."""
         return cls(knowledge.drawing.odometry, knowledge.slip_m_sqrt_m)
 

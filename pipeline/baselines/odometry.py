@@ -11,7 +11,7 @@ from symolo.evaluation.estimate import Estimate
 
 
 def _estimate(knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    motion = WheelMotion.of(knowledge)
+    motion = WheelMotion.from_knowledge(knowledge)
     state, covariance = initial_state(knowledge.start)
     poses, covariances = [], []
     for rolled_m in rolled_distances_m(knowledge):

@@ -98,7 +98,7 @@ class ParticleCloud:
 
     def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator, count: int = PARTICLES) -> None:
         self._rng, self._count = rng, count
-        self._motion = WheelMotion.of(knowledge)
+        self._motion = WheelMotion.from_knowledge(knowledge)
         state, covariance = initial_state(knowledge.start)
         drawn = rng.standard_normal((count, len(state)))
         self.particles = with_moments(drawn, state, np.linalg.cholesky(covariance).T)

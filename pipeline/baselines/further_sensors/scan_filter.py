@@ -62,7 +62,7 @@ class _Residuals:
 
 class ScanFilter:
     def __init__(self, knowledge: RobotKnowledge, log: ScanLog, scan_period_s: float) -> None:
-        self._motion = WheelMotion.of(knowledge)
+        self._motion = WheelMotion.from_knowledge(knowledge)
         self._scene = RayScene(knowledge.map)
         state, covariance = initial_state(knowledge.start)
         self.state = np.append(state, 0.0)

@@ -40,7 +40,7 @@ class OdometryPath:
     """The motion of the robot by the counts of its encoders, which places rays that it measured while it drove."""
 
     def __init__(self, knowledge: RobotKnowledge) -> None:
-        motion, state, poses = WheelMotion.of(knowledge), np.zeros(6), []
+        motion, state, poses = WheelMotion.from_knowledge(knowledge), np.zeros(6), []
         for rolled_m in rolled_distances_m(knowledge):
             state = motion.moved(state, rolled_m)
             poses.append(state[:3])

@@ -28,14 +28,14 @@ def filtered(knowledge: RobotKnowledge, likelihood: PoseLikelihood, heat: Array,
     """Return the poses of a run, at all rows, by its wheels and the heat maps (M, C) of its images."""
     assert knowledge.images is not None  # noqa: S101 - there are heat maps
     cloud = ParticleCloud(knowledge, rng, PARTICLES)
-    row_images = dict(zip(knowledge.images.rows.tolist(), heat, strict=True))
+    heat_of_row = dict(zip(knowledge.images.rows.tolist(), heat, strict=True))
     last_s = -np.inf
     estimates = []
     for row, rolled_m in enumerate(rolled_distances_m(knowledge)):
         cloud.predict(rolled_m)
-        if row in row_images:
+        if row in heat_of_row:
             now_s = float(knowledge.t_s[row])
-            cloud.weigh(likelihood.log_ratio(row_images[row], cloud.particles[:, :3]), now_s - last_s)
+            cloud.weigh(likelihood.log_ratio(heat_of_row[row], cloud.particles[:, :3]), now_s - last_s)
             last_s = now_s
         estimates.append(cloud.estimate())
     poses, covariances = zip(*estimates, strict=True)
@@ -59,7 +59,7 @@ def with_model(methods: Sequence[Method], model: LocalisationModel, runs: Sequen
             cure = "train a model on a release with this arena"
             raise InputError("--model: it was trained in another arena", where=run.name, cure=cure)
     pytorch()
-    return tuple(_model_words(model) if method.name == METHOD.name else method for method in methods)
+    return tuple(_method_with(model) if method.name == METHOD.name else method for method in methods)
 
 
 def overlap(model: LocalisationModel, runs: Sequence[LoggedRun]) -> str:
@@ -73,7 +73,7 @@ def overlap(model: LocalisationModel, runs: Sequence[LoggedRun]) -> str:
     return f"{trained}: there, the errors of {METHOD.name} are likely to be smaller than in other runs"
 
 
-def _model_words(model: LocalisationModel) -> Method:
+def _method_with(model: LocalisationModel) -> Method:
     def estimate(
         knowledge: RobotKnowledge, _training_runs: Sequence[TrainingRun], rng: np.random.Generator
     ) -> Estimate:

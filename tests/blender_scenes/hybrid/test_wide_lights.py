@@ -58,7 +58,7 @@ def test_what_shines_upwards_or_lies_lower_than_what_moves_gives_no_light():
 @pytest.mark.parametrize("above_m", [0.5, 0.52, 0.53, 0.54])
 def test_the_part_of_a_window_below_what_moves_is_left_out(above_m):
     """A point below it would throw its shadow to the other side."""
-    window = LightPanel("window", (-2.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 1.0, 2.0, (1.0,) * 3)
+    window = LightPanel("window", (-2.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 1.0, 2.0, (1.0, 1.0, 1.0))
     points = WideLamp(window, FLOOR, above_m).points(50)
     assert points[:, 0] == pytest.approx(-2.0)
     assert points[:, 2].min() > above_m

@@ -73,7 +73,7 @@ def test_a_robot_with_unusual_wheels_has_the_posterior_of_a_kalman_filter(before
     rng = np.random.Generator(np.random.PCG64(seed))
     start = Start(np.zeros(3), np.array([0.001, 0.001, np.radians(0.1)]))
     knowledge = before_a_wall(np.zeros((1, 2)), np.full(1, np.nan), start)
-    motion = WheelMotion.of(knowledge)
+    motion = WheelMotion.from_knowledge(knowledge)
     cloud = ParticleCloud(knowledge, np.random.Generator(np.random.PCG64(seed + 10)))
     state, covariance = initial_state(start)
     true = state + np.sqrt(covariance.diagonal()) * np.concatenate([rng.standard_normal(3), [-2.5, -2.0, 1.5]])
