@@ -105,7 +105,7 @@ class ShadowGuide:
         if not seen:
             return share
         near = np.any([one.nearness > 0 for one in seen], axis=0)
-        lamps = self._lamps(view, near, off)
+        lamps = self._lamps(view, near, max(one.body.height_m for one in seen), off)
         parts = _parts(lamps, *(_mean(light, near) for light in lights))
         # The numbers of points do not follow from the traced light, whose noise would move the steps of a border.
         brightness = np.array([lamp.light.sum() for lamp in lamps])
@@ -129,10 +129,9 @@ class ShadowGuide:
                 seen.append(_Seen(body, pose_X_WR(*poses[len(poses) // 2]), ground, nearness))
         return seen
 
-    def _lamps(self, view: FrameView, near: np.ndarray, off: Collection[str]) -> list[WideLamp]:
-        """Return the lamps that light the middle of the pixels (H, W) near what moves."""
+    def _lamps(self, view: FrameView, near: np.ndarray, above_m: float, off: Collection[str]) -> list[WideLamp]:
+        """Return the lamps that light, from above a height, the middle of the pixels (H, W) near what moves."""
         middle = np.append(self._sight.points(view, MIDDLE)[near].mean(axis=0), 0.0)
-        above_m = max(body.height_m for body in self._bodies if body)
         lamps = [WideLamp(panel, middle, above_m) for panel in self._panels if panel.name not in off]
         return [lamp for lamp in lamps if lamp.light.any()]
 
@@ -148,7 +147,7 @@ def _parts(lamps: Sequence[WideLamp], direct: Array, other: Array) -> list[Array
     """Return the part (3,) of the light that comes from each lamp.
 
     Where furniture hides lamps, the direct light is less than all of them would give; where it is more, some of it
-    comes from the sky.
+    comes from sky or sun.
     """
     scale = np.minimum(1, direct / (sum((lamp.light for lamp in lamps), np.zeros(3)) + _MIN_LIGHT))
     return [lamp.light * scale / (direct + other + _MIN_LIGHT) for lamp in lamps]

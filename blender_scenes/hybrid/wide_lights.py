@@ -72,8 +72,8 @@ class WideLamp:
 def _inverse(parts: Array, share: Array) -> tuple[NDArray[np.int64], Array]:
     """Return the piece (K,) in which sums over parts (K or 1, N) reach a share (K,) of all, and where, -0.5 to 0.5."""
     sums = parts.cumsum(axis=1)
-    wanted = share[:, None] * sums[:, -1:]
-    piece = np.minimum((sums <= wanted).sum(axis=1), parts.shape[1] - 1)
+    targets = share[:, None] * sums[:, -1:]
+    piece = np.minimum((sums <= targets).sum(axis=1), parts.shape[1] - 1)
     rows = np.arange(len(share)) if len(parts) > 1 else np.zeros(len(share), int)
-    within = 1 - (sums[rows, piece] - wanted[:, 0]) / parts[rows, piece]
+    within = 1 - (sums[rows, piece] - targets[:, 0]) / parts[rows, piece]
     return piece, (piece + within) / parts.shape[1] - 0.5

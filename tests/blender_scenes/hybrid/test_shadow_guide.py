@@ -96,6 +96,12 @@ def test_far_from_what_moves_all_light_is_let_through():
     assert _share(_scene(()), _view(STILL)) == pytest.approx(1.0)
 
 
+def test_a_lamp_lower_than_a_body_that_is_not_in_sight_counts():
+    tall = block("pillar", (0.0, 0.0, 1.0), (0.1, 0.1, 2.0), "black")
+    beside = _share(_scene((BAR,), (tall,)), _view(STILL, (AWAY,)))
+    np.testing.assert_array_equal(beside, _share(_scene((BAR,)), _view(STILL)))
+
+
 def test_a_mesh_of_very_many_triangles_is_not_predicted():
     """It would have to be drawn for each point of each lamp."""
     faces = BAR.faces[1:]
