@@ -50,18 +50,18 @@ def resampled(weight: Array, offset: float) -> Ints:
     return np.minimum(np.searchsorted(np.cumsum(weight), comb, side="right"), len(weight) - 1)
 
 
-def bandwidth(count: int, numbers: int) -> float:
-    """Return the standard deviation of a Gaussian kernel as a share of the spread of particles with that many numbers.
+def bandwidth(count: int, dimensions: int) -> float:
+    """Return the standard deviation of a Gaussian kernel as a share of the spread of the particles.
 
     It is the best one for a normal density (Silverman, Density Estimation for Statistics and Data Analysis, 1986,
     section 4.3.2).
     """
-    return float((4.0 / ((numbers + 2.0) * count)) ** (1.0 / (numbers + 4.0)))
+    return float((4.0 / ((dimensions + 2.0) * count)) ** (1.0 / (dimensions + 4.0)))
 
 
 def with_moments(particles: Array, mean: Array, root: Array) -> Array:
     """Return the particles (N, D) moved and stretched a little, so that their mean is `mean` (D,) and their covariance
-    is root.T @ root, with a triangular root (D, D) as of `_root`.
+    is root.T @ root, with a root (D, D) as `_root` returns it.
 
     Random draws have these moments only on average (second-order accuracy: Acevedo, de Wiljes and Reich, "Second-order
     accurate ensemble transform particle filters", SIAM Journal on Scientific Computing 39 (2017) A1834-A1850).
@@ -120,6 +120,9 @@ class ParticleCloud:
         self.log_weight -= logsumexp(self.log_weight)
         weight = np.exp(self.log_weight)
         if 1.0 / np.sum(weight**2) < ENOUGH * self._count:
+            # Headings that are whole turns apart are equal, but not for mean and covariance.
+            yaw = self.particles[:, 2]
+            yaw -= 2.0 * np.pi * np.rint((yaw - yaw[np.argmax(weight)]) / (2.0 * np.pi))
             self.particles = regularised(self.particles, weight, self._rng)
             self.log_weight = np.full(self._count, -np.log(self._count))
 

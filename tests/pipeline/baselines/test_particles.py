@@ -67,6 +67,17 @@ def test_particles_that_share_one_place_or_plane_stay_there(heavy):
     assert np.cov(after.T, ddof=0) == pytest.approx(np.cov(particles.T, ddof=0, aweights=weight), abs=1e-12)
 
 
+def test_headings_a_turn_apart_stay_one_heading_in_resampling(before_a_wall):
+    """All particles look back, by half a turn to the left or to the right, so their mean is no half turn less."""
+    start = Start(np.zeros(3), np.array([0.1, 0.1, np.radians(90.0)]))
+    rng = np.random.Generator(np.random.PCG64(11))
+    cloud = ParticleCloud(before_a_wall(np.zeros((1, 2)), np.full(1, np.nan), start), rng)
+    cloud.particles[:, 2] = np.where(np.arange(300) % 2, np.pi, -np.pi) + 0.05 * rng.standard_normal(300)
+    cloud.weigh(np.where(np.arange(300) < 150, 0.0, -9.0), 1.0)
+    assert np.ptp(cloud.log_weight) == 0.0
+    assert np.std(wrapped(cloud.particles[:, 2] - np.pi)) == pytest.approx(0.05, rel=0.2)
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_with_unusual_wheels_has_the_posterior_of_a_kalman_filter(before_a_wall, seed):
     """Readings of the place are linear and Gaussian; the wheels are 2.5, 2 and 1.5 standard deviations off."""
