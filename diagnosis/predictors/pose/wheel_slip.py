@@ -10,6 +10,7 @@ own: the motion that is lost if a wheel loses its whole travel there. They follo
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,19 +119,18 @@ def _patches(motion: WheelMotion, component: int) -> Iterator[Array]:
     wheels = (BOTH,) if component == FORWARD else (BOTH, RIGHT, LEFT)
     for radius in RADII:
         radius_m = radius * float(np.quantile(driven_m, FAST))
-        centres = _centres(places[known], radius_m)
-        if len(centres) > MAX_PATCHES:
-            continue
-        apart_m = np.hypot(*np.moveaxis(places[:, :, None] - centres, -1, 0))
-        inside = np.clip((1.0 + EDGE - apart_m / radius_m) / (2.0 * EDGE), 0.0, 1.0)
-        lost_m = motion.travel_m[..., None] * np.where(known[..., None], inside, 0.0)
-        for which in wheels:
-            changes = motion.changed(lost_m * np.array(which)[:, None], component)
-            yield from (changes[:, k : k + 1] for k in range(len(centres)))
+        # One patch after the other: all of them at once would take gigabytes in a drive of an hour.
+        for centre in _centres(places[known], radius_m):
+            apart_m = np.hypot(*np.moveaxis(places - centre, -1, 0))
+            inside = np.clip((1.0 + EDGE - apart_m / radius_m) / (2.0 * EDGE), 0.0, 1.0)
+            lost_m = motion.travel_m * np.where(known, inside, 0.0)
+            yield from (motion.changed(lost_m[..., None] * np.array(which)[:, None], component) for which in wheels)
 
 
 def _centres(places_m: Array, radius_m: float) -> Array:
-    """Return the centres (k, 2) of patches, a radius apart, over all places (n, 2)."""
+    """Return the centres (k, 2) of patches, a radius apart, over all places (n, 2); none if they would be too many."""
     low, high = places_m.min(axis=0), places_m.max(axis=0)
-    sides = [np.linspace(a, b, max(1, round((b - a) / radius_m)) + 1) for a, b in zip(low, high, strict=True)]
-    return np.array(list(product(*sides)))
+    counts = [max(1, round(side_m / radius_m)) + 1 for side_m in (high - low).tolist()]
+    if prod(counts) > MAX_PATCHES:
+        return np.empty((0, 2))
+    return np.array(list(product(*(np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)))))

@@ -77,6 +77,15 @@ def test_slip_hardly_moves_a_robot_to_the_side_and_unknown_places_have_no_patche
     assert slip_functions(motion(travel_m), TURN)[0] == ()
 
 
+def test_a_robot_that_is_carried_far_with_wheels_that_hardly_turn_has_no_patches():
+    """Patches as small as its travel would be thousands of millions in this room."""
+    travel_m = np.zeros((60, 2))
+    travel_m[7:40:11] = 1.2 * COUNT_M
+    poses = np.zeros((60, 3))
+    poses[30:, :2] = [20.0, 10.0]
+    assert slip_functions(motion(travel_m, poses), TURN)[0] == ()
+
+
 @pytest.fixture(scope="module")
 def robot():
     return nominal_robot(NOMINAL, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
