@@ -114,7 +114,9 @@ class Source(Section):
         if len(wrong):
             row = int(wrong[0])
             where, got = log.where(row), log.columns[column][row]
-            raise InputError(f"column {column}", where=where, got=got, allowed=f"whole numbers below {whole:.0e}")
+            allowed = f"whole numbers below {whole:.0e}, since they are {unit} beside the seconds of {self.column}"
+            cure = f"if they are whole times, name {column} as the column of t_s"
+            raise InputError(f"column {column}", where=where, got=got, allowed=allowed, cure=cure)
         return times + parts / whole
 
 

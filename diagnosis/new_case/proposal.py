@@ -7,11 +7,11 @@ from types import MappingProxyType
 
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.new_case.quantities import COLUMN_OPTION, KINDS, STEADY_FROM_S, STEP_S, UNIT_OPTION, wheel_columns
-from logs.columns.combined import stamp_columns
 from logs.columns.drive import COUNTED
 from logs.columns.missing import missing
 from logs.columns.proposal import Proposal, propose_as
 from logs.columns.quantity import LEFT, RIGHT, SIDES
+from logs.columns.stamp import stamp_source
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, Source, check_column
 from logs.units.guessed import Reading, asked, time_units, usual_step_of
@@ -228,8 +228,7 @@ def _motor_kind(log: LogFile, column: str, unit: str) -> CaseKind:
         InputError: The times may be in several units, and so be both.
     """
     unit = (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" else "")
-    stamp = stamp_columns([*log.columns], KINDS[CaseKind.MOTOR_STEADY].fillers)
-    source = Source.model_validate(stamp) if column == stamp.get("column") else Source(column=column)
+    source = stamp_source(log, column, KINDS[CaseKind.MOTOR_STEADY].fillers) or Source(column=column)
     unit, times = "s" if source.fraction[1] else unit, source.times_of(log)
     if unit and unit not in units_for("s"):
         return CaseKind.MOTOR_STEADY  # the unit is refused with those of the others

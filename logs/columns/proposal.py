@@ -7,11 +7,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from logs.columns.combined import quaternion_columns, stamp_columns
+from logs.columns.combined import quaternion_columns
 from logs.columns.drive import COUNTED, PER_ROW
 from logs.columns.missing import missing
 from logs.columns.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
 from logs.columns.quaternion_heading import ordered, tilt_note
+from logs.columns.stamp import stamp_source
 from logs.counts import are_per_row
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
@@ -161,18 +162,17 @@ def _combined(log: LogFile, kind: LogKind, name: str, column: str, unit: str) ->
     Raises:
         InputError: The order of the components of a quaternion is not known, they are none, or another unit is stated.
     """
-    stamp = stamp_columns([*log.columns], kind.fillers)
+    stamp = stamp_source(log, column, kind.fillers) if name == "t_s" else None
     quaternion = quaternion_columns([*log.columns], kind.fillers)
-    is_stamp = name == "t_s" and column == stamp.get("column")
-    names = tuple(stamp.values()) if is_stamp else quaternion if name == "theta_rad" else ()
+    names = stamp.columns if stamp else quaternion if name == "theta_rad" else ()
     if column not in names:
         return None
     where, ours = str(log.path), kind.unit_of(name)
     if unit and unit_of(unit) != ours:
         what = f"{', '.join(names)} give {name} in {ours}"
         raise InputError(what, where=f"{kind.unit_option} {name}", got=unit, cure="leave the unit out")
-    if is_stamp:
-        return Source.model_validate(stamp), ""
+    if stamp:
+        return stamp, ""
     if len(names) == 4 and any(character.isdecimal() for character in names[0]):
         names = ordered(np.column_stack([log.numbers(each) for each in names]), names, where)
     components = np.column_stack([log.numbers(each) for each in names])

@@ -144,6 +144,28 @@ def test_seconds_and_parts_of_one_are_one_time(seconds, parts, unit, init, colum
     np.testing.assert_allclose(stamps, times, atol=1e-6)
 
 
+@pytest.mark.parametrize("micros", [lambda t_s: np.rint(1e6 * t_s), lambda t_s: np.full(len(t_s), 350)])
+def test_seconds_with_decimals_are_a_time_without_the_counter_of_microseconds_beside_them(
+    micros, init, columns, tmp_path
+):
+    """A counter that runs on, or the duration of a loop."""
+    t_s = np.round(12.0 + DT * np.arange(len(columns["time_ms"])), 3)
+    others = {name: column for name, column in columns.items() if name != "time_ms"}
+    code, out, err, _ = init({"seconds": t_s, "micros": micros(t_s).astype(int)} | others)
+    assert (code, err) == (0, "")
+    assert "t_s             from seconds\n" in out
+    steps_s = np.diff(np.genfromtxt(tmp_path / "run" / "data.csv", delimiter=",", names=True)["t_s"])
+    np.testing.assert_allclose(steps_s, steps_s[0], atol=1e-6)
+
+
+def test_a_counter_of_microseconds_that_runs_on_beside_whole_seconds_is_refused_with_what_to_do(init, columns):
+    logged = stamped(columns, "sec", "usec", 1000)
+    code, _, err, _ = init(logged | {"usec": 50_000 * np.arange(len(logged["usec"]))})
+    assert code == 2
+    assert "column usec: got '1000000', allowed: whole numbers below 1e+06" in err
+    assert "name usec as the column of t_s" in err
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
