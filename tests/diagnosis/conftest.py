@@ -35,6 +35,7 @@ def diagnosed_among():
     """
 
     def diagnosed(measurement, *names):
+        assert {*names} <= {each.name for each in EFFECTS.classes()}
         few = SimpleNamespace(classes=lambda: tuple(e for e in EFFECTS.classes() if e.name in names))
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(candidates, "EFFECTS", few)

@@ -91,10 +91,13 @@ def test_the_part_of_a_change_that_acts_early_is_that_of_the_controller(between_
     assert early.sd > 0.1
 
 
+def test_a_controller_in_step_with_the_rows_gets_no_note(tmp_path):
+    """In a log that is long enough for the note on a faster one."""
+    assert not any(NOTE in note for note in log(tmp_path, ROW_S, lasts_s=25.0).notes)
+
+
 def test_a_controller_in_step_with_the_rows_has_no_early_voltages(tmp_path):
-    measurement = log(tmp_path, ROW_S, lasts_s=12.0)
-    result = diagnose(measurement)
-    assert not any(NOTE in note for note in measurement.notes)
+    result = diagnose(log(tmp_path, ROW_S, lasts_s=12.0))
     assert result.early_voltages is None
     assert result.names == ()
 

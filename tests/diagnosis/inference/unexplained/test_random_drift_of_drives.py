@@ -151,7 +151,7 @@ def test_the_mean_of_a_drift_of_one_sensor_is_no_offset_of_it(tmp_path, diagnose
     columns |= {name: np.full(len(keep), np.nan) for name in ("u_left_V", "u_right_V")}
     gap.write(replace(case, columns=columns), tmp_path / "case")
     measurement = drive_log.IMPORTER.read(tmp_path / "case")
-    others = ("tof_range_offset", "tof_range_scale", "tof_mount_yaw", "tof_mount_x", "tof_time_offset")
+    others = ("tof_range_offset", "tof_range_scale", "tof_mount_yaw", "tof_time_offset", "range_gathering_time")
     (effect,) = diagnosed_among(measurement, *others).answer()["effects"]
     assert effect["name"] == "range_wander"
     for name, true in (("sd_m", SD_M), ("time_constant_s", 4.0)):
