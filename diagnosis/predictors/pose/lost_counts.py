@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from diagnosis.predictors.base import InputResponse
 from symolo.core.arrays import Array
 
+LOST = "lost counts"
+"""What the responses are; with a negative size, the encoder adds counts."""
 ANGLES = 16
 """Angles of the damage that are tried, evenly spread over a turn."""
 LOST_PER_TURN = (0.0, 0.01, 0.025, 0.05)
@@ -37,6 +39,6 @@ def lost_counts(
             for angle in (np.arange(ANGLES) / ANGLES).tolist():
                 times = np.floor(turns - angle)
                 passed = times[last] - times[first]
-                of_rim = (0.5 * passed, np.zeros_like(passed), sign * passed / track_m)
-                where, what = f"wheel_angle_rad[{side}]", "loss of counts at one angle"
-                yield tuple(InputResponse(where, what, response, chosen=3) for response in of_rim)
+                by_component = (0.5 * passed, np.zeros_like(passed), sign * passed / track_m)
+                where = f"wheel_angle_rad[{side}]"
+                yield tuple(InputResponse(where, LOST, response, chosen=3) for response in by_component)

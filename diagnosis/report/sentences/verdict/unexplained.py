@@ -7,6 +7,7 @@ from diagnosis.inference.unexplained.bases import RUNS_OF_OUTLIERS, RUNS_OF_ROWS
 from diagnosis.inference.unexplained.forms import GAIN
 from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
+from diagnosis.predictors.pose.lost_counts import LOST
 from diagnosis.predictors.pose.wheel_slip import PATCH, SLIP
 from diagnosis.predictors.wheels.floor_loads import FRICTION
 from diagnosis.predictors.wheels.turning_loads import TURNING
@@ -39,8 +40,9 @@ def unexplained_sentence(structure: Structure) -> str:
         "outline": f"an error that depends on the {words}",
         "event": f"a shift at each {words}",
         "functions": f"an error at a small {words}",
-        PATCH: "motion that wheels lose on a patch of the floor",
+        PATCH: "motion that wheels lose or gain on a patch of the floor",
         SLIP: "motion that wheels lose or gain while they accelerate or brake",
+        LOST: "counts that an encoder loses or adds at one angle of its wheel",
         "step": f"a step at one value of {words}",
         "kink": f"a straight line that begins at one value of {words}",
         GAIN: f"a gain that changes with {words}",

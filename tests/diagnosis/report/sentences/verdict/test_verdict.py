@@ -94,6 +94,8 @@ def test_a_name_beside_something_unexplained_says_so():
         ),
         ("outliers at neighbouring values", "(outliers at neighbouring values of commanded voltage)"),
         ("runs of rows", "(successive rows that are off together)"),
+        ("patch", "(motion that wheels lose or gain on a patch of the floor)"),
+        ("lost counts", "(counts that an encoder loses or adds at one angle of its wheel)"),
     ],
 )
 def test_the_form_of_what_is_unexplained_is_said_in_words(what, text):
