@@ -8,6 +8,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.held_rows import HeldVoltages
 from physics.drivetrain.wheel_turns import WheelLoad, counted_turns
 from physics.effects.driver_and_battery.actuator_lag import ActuatorLag
 from physics.effects.driver_and_battery.bridge_coast import BridgeCoast
@@ -144,6 +145,21 @@ class TestUnevenRows:
         turned = counted_turns(model, volts, self.LASTS_S, np.zeros(2), parts=parts)
         expected = [self.exact_rad(robot, lasts_s, delay_s) for lasts_s in self.LASTS_S.T]
         np.testing.assert_allclose(turned[..., 0], np.transpose(expected), rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.parametrize("delay_s", [0.0, 0.013, 0.07])
+    def test_a_voltage_that_lags_relaxes_from_each_change_to_the_next(self, robot, delay_s):
+        time_constant_s = 0.03
+        driveline = Driveline.of_robot(
+            RobotModel.from_config(robot.with_effect(ActuatorLag(time_constant_s=time_constant_s)))
+        )
+        volts = np.tile(self.VOLTS[:, None, None], (1, 2, 2))
+        held = HeldVoltages.of(driveline, volts, self.LASTS_S[..., None], delay_s, np.zeros((2, 1)))
+        for trial, lasts_s in enumerate(self.LASTS_S.T):
+            ends_s = np.cumsum(lasts_s)
+            since_s = ends_s[:, None] - (ends_s - lasts_s + delay_s)
+            shares = -np.expm1(-np.maximum(since_s, 0.0) / time_constant_s)
+            expected = shares @ np.diff(self.VOLTS, prepend=0.0)
+            np.testing.assert_allclose(held.last_V[:, trial, 0], expected, rtol=1e-9)
 
     @pytest.mark.parametrize("effect", [BridgeCoast(inductance_H=1e-4, diode_V=0.6), ActuatorLag(time_constant_s=0.01)])
     def test_equal_durations_give_what_one_duration_does(self, robot, effect):
