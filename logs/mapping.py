@@ -39,7 +39,7 @@ class Source(Section):
     nanoseconds: str = ""
     """Name of the column of nanoseconds that are added to a time in whole seconds."""
     microseconds: str = ""
-    """The same of microseconds, as a C program has them from `gettimeofday`."""
+    """Name of the column of microseconds that are added to it instead, as a C program has them from `gettimeofday`."""
     constant: float | str | None = None
     """Value of every row, in our unit."""
     unit: str = ""
