@@ -67,7 +67,7 @@ def nothing_left(diagnosis: Diagnosis, *, numbers_are_off: bool = False) -> str:
         smallest = f" (smallest p-value of all tests: {first.p:.2g})" if first else ""
         return f"{nothing}: no covariate shows more structure in the residuals than is expected by chance{smallest}."
     return (
-        f"{nothing} is certain. The residuals of {first.observed} may depend on {along(first.covariate)} "
+        f"{nothing} is certain. The residuals of {listed(first.quantities)} may depend on {along(first.covariate)} "
         f"(p = {first.p:.2g}), but structure counts as such only if p is below {LEVEL:g}."
     )
 

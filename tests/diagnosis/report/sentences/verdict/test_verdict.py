@@ -118,7 +118,10 @@ def test_a_load_of_turning_is_said_in_words_with_its_size():
 @pytest.mark.parametrize(
     ("p", "text"),
     [
-        (0.017, "(p = 0.017), but structure counts as such only if p is below 0.001"),
+        (
+            0.017,
+            "current_A and omega_rad_s may depend on u_cmd_V (p = 0.017), but structure counts as such only if p is",
+        ),
         (
             0.4,
             "Nothing: no covariate shows more structure in the residuals than is expected by chance (smallest p-value",
@@ -127,7 +130,9 @@ def test_a_load_of_turning_is_said_in_words_with_its_size():
     ],
 )
 def test_what_is_left_agrees_with_the_headline(p, text):
-    structures = [] if p is None else [SimpleNamespace(observed="current_A", covariate="u_cmd_V", p=p)]
+    structures = (
+        [] if p is None else [SimpleNamespace(quantities=("current_A", "omega_rad_s"), covariate="u_cmd_V", p=p)]
+    )
     diagnosis: Any = SimpleNamespace(adequacy=SimpleNamespace(structures=structures))
     assert text in nothing_left(diagnosis)
 
