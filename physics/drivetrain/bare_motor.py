@@ -58,7 +58,7 @@ def _periods_of_rows(driveline: Driveline, held: HeldVoltages, shape: tuple[int,
         return duration_s, covered_share(duration_s, inertia / damping)
 
     if held.durations.differ:
-        lasts = (tuple(map(lasting, of_row)) for of_row in zip(*map(np.asarray, durations), strict=True))
+        lasts = (tuple(map(lasting, row_durations)) for row_durations in zip(*map(np.asarray, durations), strict=True))
     else:
         lasts = repeat(tuple(map(lasting, durations)))
     torques, old, new = (

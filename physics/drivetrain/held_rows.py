@@ -61,7 +61,9 @@ class Durations:
     """Whether each row has durations of its own, along the first axis."""
 
     @classmethod
-    def of(cls, row_s: float | Array, begins_s: Array, delay_s: float | Array) -> tuple["Durations", NDArray[np.int64]]:
+    def from_rows(
+        cls, row_s: float | Array, begins_s: Array, delay_s: float | Array
+    ) -> tuple["Durations", NDArray[np.int64]]:
         """Return the durations, and the number of rows (M,) or (1,) by which commands are late as well.
 
         Args:
@@ -146,7 +148,7 @@ class HeldVoltages:
     new_trend: Array
 
     @classmethod
-    def of(
+    def from_commands(
         cls, driveline: Driveline, command_V: Array, row_s: float | Array, delay_s: float | Array, begin_s: Array
     ) -> "HeldVoltages":
         """Return the voltages for commands that are 0 V before the first; arguments are those of `held_rows`."""
@@ -156,7 +158,7 @@ class HeldVoltages:
             begin = begin_s + np.cumsum(row_s, axis=0) - row_s
         else:
             begin = begin_s + row_s * rows[:, None, None, None]
-        durations, late = Durations.of(row_s, begin, delay_s)
+        durations, late = Durations.from_rows(row_s, begin, delay_s)
         padded = np.concatenate([np.zeros_like(command_V[:1]), command_V])
         new_V, old_V = (padded[np.maximum(rows[:, None] + due - late, 0)] for due in (1, 0))
         is_cut = np.any(np.asarray(durations.before_s) > 0.0) & np.any(old_V != new_V, axis=(1, 2, 3))
@@ -200,7 +202,7 @@ def held_rows(
         delay_s: Delay of commands; a number, or one of each robot as (M, 1, 1), (M, N, 1) or (M, N, wheels).
         begin_s: (N, 1), time of each trial's start since the motors were first switched on.
     """
-    held = HeldVoltages.of(driveline, command_V, row_s, delay_s, begin_s)
+    held = HeldVoltages.from_commands(driveline, command_V, row_s, delay_s, begin_s)
     by_row = (list(each) for each in (held.mean_V, held.begin_s, held.last_V, held.old_trend, held.new_trend))
     heat: float | Array = 0.0
     for row, (place, mean, begin, last, old_trend, new_trend) in enumerate(

@@ -237,7 +237,7 @@ def step_responses(
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
     rest = np.zeros((voltage_V.shape[1], 1))
     if driveline.is_bare and not model.has_play:
-        held = HeldVoltages.of(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin)
+        held = HeldVoltages.from_commands(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin)
         speed = bare_speeds(driveline, held, rest)
         voltage = held.last_V[:, None] if held.last_V.ndim < speed.ndim else held.last_V
         winding = driveline.winding(0.0, 0.0)

@@ -106,9 +106,9 @@ def counted_turns(  # noqa: PLR0917 - the robot, what drives it, and when
     counting = model.functions(Slot.COUNTING)
     part_s, lasting_s = _durations(row_s, parts, len(voltage_V))
     if driveline.is_bare and coupling_kg_m2 is None:
-        voltages = HeldVoltages.of(driveline, voltage_V, part_s, model.input_delay_s, begin_s[:, None])
-        of_parts = bare_turns(driveline, voltages, np.zeros_like(voltage_V[0]))
-        turns = of_parts.reshape(-1, parts, *of_parts.shape[1:]).sum(axis=1)
+        voltages = HeldVoltages.from_commands(driveline, voltage_V, part_s, model.input_delay_s, begin_s[:, None])
+        part_turns = bare_turns(driveline, voltages, np.zeros_like(voltage_V[0]))
+        turns = part_turns.reshape(-1, parts, *part_turns.shape[1:]).sum(axis=1)
         return stacked_rows([applied(counting, turned, lasts) for turned, lasts in zip(turns, lasting_s, strict=True)])
     wheels = RigidWheels(driveline, None if coupling_kg_m2 is None else load.torque_N_m, coupling_kg_m2)
     speed = angle = np.zeros_like(voltage_V[0])

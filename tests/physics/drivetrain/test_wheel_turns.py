@@ -153,7 +153,7 @@ class TestUnevenRows:
             RobotModel.from_config(robot.with_effect(ActuatorLag(time_constant_s=time_constant_s)))
         )
         volts = np.tile(self.VOLTS[:, None, None], (1, 2, 2))
-        held = HeldVoltages.of(driveline, volts, self.LASTS_S[..., None], delay_s, np.zeros((2, 1)))
+        held = HeldVoltages.from_commands(driveline, volts, self.LASTS_S[..., None], delay_s, np.zeros((2, 1)))
         for trial, lasts_s in enumerate(self.LASTS_S.T):
             ends_s = np.cumsum(lasts_s)
             since_s = ends_s[:, None] - (ends_s - lasts_s + delay_s)
