@@ -244,7 +244,7 @@ def diagnose(
         selection=selection,
         fit=fit,
         named=tuple(
-            NamedEffect.of(evidence, selection.nominal, fit, each, other)
+            NamedEffect.from_comparison(evidence, selection.nominal, fit, each, other)
             for each, other in zip(comparisons, other_sizes, strict=True)
         ),
         withheld=withheld_names,

@@ -175,7 +175,7 @@ def _noise(diagnosis: Diagnosis, inputs: UnseenInputs, mean: Array) -> Array:
     fit, evidence = diagnosis.fit, diagnosis.evidence
     levels = {o.name: level for o, level in zip(evidence.observed, fit.noise.levels.tolist(), strict=True)}
     if isinstance(inputs.stage, Pose) and inputs.starts is not None:
-        noise, robot = PoseNoise.of(diagnosis.measurement), diagnosis.extended
+        noise, robot = PoseNoise.from_measurement(diagnosis.measurement), diagnosis.extended
         sds = path_sd(mean.T, inputs.stage.travel_m(robot), inputs.stage.trials, noise, robot.drive.track_m)
         return sds * np.array([[levels.get(name, 1.0)] for name, _ in COMPONENTS])
     if diagnosis.measurement.kind in {CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP}:

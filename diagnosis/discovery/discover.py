@@ -71,7 +71,7 @@ def with_law(diagnosis: Diagnosis, *, always: bool = False) -> Diagnosis:
     return replace(
         diagnosis,
         fit=fit,
-        named=tuple(NamedEffect.of(evidence, nominal, fit, each.comparison) for each in diagnosis.named),
+        named=tuple(NamedEffect.from_comparison(evidence, nominal, fit, each.comparison) for each in diagnosis.named),
         gain=gain(measured, diagnosis.nominal, fit.robot, (0.0, fit.local_change)),
         discovery=Discovery(law, ""),
     )

@@ -56,7 +56,7 @@ class EngineDrive(EngineStage):
     def __init__(self, measurement: Measurement, nominal: RobotConfig, driver: Driver) -> None:
         self._is_case = isinstance(measurement.nominal, NominalDrive)
         self._driver = driver
-        self._grid = Grid.of(measurement, 1.0 / ROW_S if self._is_case else None)
+        self._grid = Grid.from_measurement(measurement, 1.0 / ROW_S if self._is_case else None)
         held = [self._grid.zero_order_hold(measurement.trials, f"u_{wheel}_V")[:-1] for wheel in ("right", "left")]
         self._voltage_V = np.stack(held, axis=-1)
         self._has_heldout = [bool(trial.holdout.any()) for trial in measurement.trials]

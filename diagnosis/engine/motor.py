@@ -63,7 +63,7 @@ class MotorOnBench(EngineStage):
         """Return current [A] and speed [rad/s] against time, (n,) each."""
         measurement = self._measurement
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None
-        grid = Grid.of(measurement, rate_hz)
+        grid = Grid.from_measurement(measurement, rate_hz)
         voltage_V = grid.zero_order_hold(measurement.trials, "u_cmd_V")
         current, speed = (np.full(voltage_V.shape, np.nan) for _ in range(2))
         for k, trial in enumerate(measurement.trials):

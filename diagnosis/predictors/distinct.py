@@ -67,7 +67,7 @@ class KnownPredictions:
         self._parts, self._slots, self._predict, self._max_bytes = parts, slots, predict, max_bytes
         self._known: dict[Key, Array] = {}
 
-    def of(self, robots: Sequence[RobotConfig]) -> Array:
+    def predictions(self, robots: Sequence[RobotConfig]) -> Array:
         """Return the predictions (M, ...) of M robots, at least one."""
         keys = [_key(robot, self._parts, self._slots) for robot in robots]
         new = {key: robot for key, robot in zip(keys, robots, strict=True) if key not in self._known}

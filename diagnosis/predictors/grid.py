@@ -27,7 +27,7 @@ class Grid:
     """(N,), time of sample 0 since the start of the session."""
 
     @classmethod
-    def of(cls, measurement: Measurement, rate_hz: float | None) -> "Grid":
+    def from_measurement(cls, measurement: Measurement, rate_hz: float | None) -> "Grid":
         """Return the grid of the nominal rate if the rows are on it, else the grid that fits the rows best.
 
         Raises:

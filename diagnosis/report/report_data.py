@@ -170,15 +170,15 @@ def shown_structures(unexplained: Structure | None, nominal: Adequacy, observed:
         observed: Names of the observed quantities.
     """
     for name in observed:
-        adequacy_of_quantity = nominal.of(name)
+        adequacy = nominal.restricted_to(name)
         if (
             unexplained is not None
             and unexplained.observed == name
             and not unexplained.what.startswith((SCATTER, UNEVEN))
         ):
             yield unexplained
-        elif adequacy_of_quantity.structures:
-            yield adequacy_of_quantity.worst
+        elif adequacy.structures:
+            yield adequacy.worst
 
 
 def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:

@@ -37,7 +37,7 @@ class RowHistory:
     """(N, 1), or (M, N, 1) for M robots: share by which heat has raised the resistance."""
 
     @classmethod
-    def of(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "RowHistory":
+    def from_commands(cls, model: RobotModel, voltage_V: Array, time_s: Array) -> "RowHistory":
         """Return that of rows (N,), each of which holds until the next one in time; unknown voltages count as 0 V."""
         driveline = Driveline.for_bench(model)
         order = np.argsort(time_s, kind="stable")
@@ -133,7 +133,7 @@ class _SteadyBench:
         if supply_V is not None:
             self._driveline.full_supply_V = supply_V[:, None]
         self._time_s = time_s[:, None]
-        past = RowHistory.of(model, voltage_V, time_s) if past is None else past
+        past = RowHistory.from_commands(model, voltage_V, time_s) if past is None else past
         self._trend = past.trend
         self._winding = self._driveline.winding(self._time_s, past.heat)
         command = voltage_V[:, None]

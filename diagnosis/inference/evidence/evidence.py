@@ -160,7 +160,7 @@ class Evidence:
         result = np.array(samples)
         for place, whitening in zip(self.places, self.whitenings, strict=True):
             if whitening is not None:
-                result[..., place] = whitening.of(result[..., place])
+                result[..., place] = whitening.applied(result[..., place])
         return result
 
     def as_measured(self) -> "Evidence":
@@ -174,7 +174,7 @@ class Evidence:
     def whitened_part(self, number: int, changes: Array) -> Array:
         """Return changes (n, k) of the readings of one quantity as those of its samples."""
         whitening = self.whitenings[number]
-        return changes if whitening is None else whitening.of(changes.T).T
+        return changes if whitening is None else whitening.applied(changes.T).T
 
     def unwhitened(self, number: int, residuals: Array) -> Array:
         """Return residuals (n,) of the samples of one quantity in sigmas as those of its readings."""
@@ -209,7 +209,7 @@ class Evidence:
                     zip(stage.observed, places, stage.predict(robots[batch]), strict=True), start
                 ):
                     whitening = self.whitenings[number]
-                    mean[batch, place] = predicted.mean if whitening is None else whitening.of(predicted.mean)
+                    mean[batch, place] = predicted.mean if whitening is None else whitening.applied(predicted.mean)
                     sd[batch, place] = self._sd_of(observed, predicted.sd)
                     if predicted.by_tolerances is not None:
                         by_tolerances[batch] += predicted.by_tolerances

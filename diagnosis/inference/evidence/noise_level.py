@@ -177,7 +177,7 @@ def torque_noise(noise: CountNoise, residuals: Array, rows: Mask, trial: NDArray
     best: tuple[float, float, Array] | None = None
     for torque in noise.torques(*NOISES, TORQUES).tolist():
         whitening = noise.whitening(torque)
-        z = np.where(rows, np.clip(whitening.of(residuals) / noise.stated, -CLIP, CLIP), np.nan)
+        z = np.where(rows, np.clip(whitening.applied(residuals) / noise.stated, -CLIP, CLIP), np.nan)
         level = float(np.hypot(torque, np.median(noise.rounding))) / noise.stated
         costs = z**2 + 2.0 * np.log(whitening.predicted_sd / noise.stated)
         cost = float(np.nansum(costs)) + (np.log(level) / LEVEL_SD) ** 2

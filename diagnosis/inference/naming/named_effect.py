@@ -32,7 +32,7 @@ class NamedEffect:
     """Its size beside a second effect, which `std` includes; None if none would change it."""
 
     @classmethod
-    def of(
+    def from_comparison(
         cls,
         evidence: Evidence,
         nominal: HypothesisFit,

@@ -124,7 +124,7 @@ class Adequacy:
         """Return whether there is a significant structure over time."""
         return any(s.p < LEVEL and s.is_over_time for s in self.structures)
 
-    def of(self, observed: str) -> "Adequacy":
+    def restricted_to(self, observed: str) -> "Adequacy":
         """Return the same with the structures of one observed quantity only."""
         return Adequacy(tuple(structure for structure in self.structures if structure.observed == observed))
 

@@ -108,7 +108,7 @@ class MotorSteady:
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2))
             effects = stacked_effects(several, axes=1)
-            past = RowHistory.of(model, self._voltage_V, self._since_on_s)
+            past = RowHistory.from_commands(model, self._voltage_V, self._since_on_s)
             is_seen = self._motion.is_seen
             for rows, states in ((self._known & ~is_seen, self._from_rest), (is_seen, self._as_seen)):
                 if rows.any():

@@ -44,7 +44,7 @@ class MotorStep:
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None
-        self._grid = Grid.of(measurement, rate_hz)
+        self._grid = Grid.from_measurement(measurement, rate_hz)
         self._voltage_V = self._grid.zero_order_hold(trials, "u_cmd_V")
         self._known = KnownPredictions(PARTS, SLOTS, self._motions)
         current, speed = (mean[0] for mean in self._means([nominal]))
@@ -86,7 +86,7 @@ class MotorStep:
         )
 
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        return self._read(robots, self._known.of(robots))
+        return self._read(robots, self._known.predictions(robots))
 
     def _read(self, robots: Sequence[RobotConfig], motions: Array) -> tuple[Array, Array]:
         """Return the readings of currents and speeds (M, n) from the true ones at all samples, (M, 2, T, N)."""

@@ -27,7 +27,7 @@ from diagnosis.predictors.pose.lost_counts import lost_counts
 from diagnosis.predictors.pose.motion_starts import start_covariates
 from diagnosis.predictors.pose.pose_noise import PoseNoise
 from diagnosis.predictors.pose.reversals import body_rates, reversal_covariates
-from diagnosis.predictors.pose.wheel_slip import PATCH, WheelMotion, slip_functions
+from diagnosis.predictors.pose.wheel_slip import PATCH, CountedMotion, slip_functions
 from diagnosis.predictors.pose.window_noise import window_noise
 from diagnosis.predictors.rows import (
     bridged,
@@ -350,7 +350,7 @@ class Pose:
         count_m = pi * nominal.drive.wheel_diameter_m / nominal.encoder.counts_per_revolution
         poses = np.stack([np.ravel(self._place.x_m), np.ravel(self._place.y_m), self._heading_rad], axis=-1)
         travel_m, windows = count_m * self._counted, (self._first, self._last)
-        motion = WheelMotion(travel_m, self._steps_s, poses, self._starts, windows, nominal.drive.track_m, count_m)
+        motion = CountedMotion(travel_m, self._steps_s, poses, self._starts, windows, nominal.drive.track_m, count_m)
         patches, further = slip_functions(motion, component)
         with_patches = (
             replace(c, functions=patches, functions_are=PATCH) if c.name == "position" else c for c in covariates
@@ -363,7 +363,7 @@ class Pose:
         """Return the standard deviations (m,) of each component, the correlations of successive windows, and the shares
         (m,) of the variance that come from the noise of the two poses.
         """
-        noise, travel_m = PoseNoise.of(measurement), np.cumsum(self.travel_m(nominal))
+        noise, travel_m = PoseNoise.from_measurement(measurement), np.cumsum(self.travel_m(nominal))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
         by_log = self._added_variance(measurement)
         slip_place, slip_heading = 0.5 * q + by_log[0], 2.0 * q / nominal.drive.track_m**2 + by_log[1]

@@ -92,7 +92,7 @@ def wheel_steps(measurement: Measurement, nominal: RobotConfig) -> Array | None:
     if not np.isfinite(counts).all(axis=-1).any():
         return None
     per_count_m = pi * nominal.drive.wheel_diameter_m / nominal.encoder.counts_per_revolution
-    noise = PoseNoise.of(measurement)
+    noise = PoseNoise.from_measurement(measurement)
     is_coarse = per_count_m > noise.xy_m or per_count_m / nominal.drive.track_m > noise.theta_rad
     if is_coarse:
         return np.zeros((len(counts), 2))

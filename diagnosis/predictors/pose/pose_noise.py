@@ -23,7 +23,7 @@ class PoseNoise:
     slip_m_per_sqrt_m: float
 
     @classmethod
-    def of(cls, measurement: Measurement) -> "PoseNoise":
+    def from_measurement(cls, measurement: Measurement) -> "PoseNoise":
         """Return the noise that the case states, else that of the camera, estimated from its channels."""
         if isinstance(measurement.nominal, NominalDrive):
             noise = measurement.nominal.noise

@@ -42,7 +42,7 @@ class TrackedAxle:
         """(n, 3), logged x [m], y [m], yaw [rad]; between two rows with a pose, it is interpolated."""
         self._guided: GuidedPoses | None = None
         if steps is not None:
-            noise = PoseNoise.of(measurement)
+            noise = PoseNoise.from_measurement(measurement)
             self._guided = GuidedPoses(self.pose, self.is_logged, self._t_s, self._trials, steps, noise)
 
     @property

@@ -40,7 +40,7 @@ BOTH, RIGHT, LEFT = (True, True), (True, False), (False, True)
 
 
 @dataclass(frozen=True)
-class WheelMotion:
+class CountedMotion:
     """Motion of both wheels by their counts, of all rows, and the changes of the pose to which it adds up."""
 
     travel_m: Array
@@ -65,7 +65,7 @@ class WheelMotion:
         return total[last] - total[first]
 
 
-def slip_functions(motion: WheelMotion, component: int) -> tuple[tuple[Array, ...], tuple[Covariate, ...]]:
+def slip_functions(motion: CountedMotion, component: int) -> tuple[tuple[Array, ...], tuple[Covariate, ...]]:
     """Return the sets of functions of the place, and the covariates of slip that depends on the motion alone.
 
     Args:
@@ -82,7 +82,7 @@ def slip_functions(motion: WheelMotion, component: int) -> tuple[tuple[Array, ..
     return tuple(_patches(motion, component)), (covariate,) if functions else ()
 
 
-def _speeding_up(motion: WheelMotion) -> Array:
+def _speeding_up(motion: CountedMotion) -> Array:
     """Return the acceleration (n, 2) of each rim in the direction in which it turns, negative where it brakes."""
     speed_m_s = motion.travel_m / motion.steps_s[:, None]
     rise = np.diff(speed_m_s, axis=0, prepend=speed_m_s[:1]) / motion.steps_s[:, None]
@@ -92,7 +92,7 @@ def _speeding_up(motion: WheelMotion) -> Array:
     return np.sign(motion.travel_m) * 0.5 * (rise + next_rise)
 
 
-def _accelerating(motion: WheelMotion, acceleration_m_s2: Array, component: int) -> Iterator[Array]:
+def _accelerating(motion: CountedMotion, acceleration_m_s2: Array, component: int) -> Iterator[Array]:
     """Yield what is lost in proportion to the acceleration, and beyond each threshold, apart for either sign."""
     floor = motion.count_m / float(np.median(motion.steps_s)) ** 2
     largest = float(np.quantile(np.abs(acceleration_m_s2), LARGEST))
@@ -106,7 +106,7 @@ def _accelerating(motion: WheelMotion, acceleration_m_s2: Array, component: int)
         yield motion.changed((motion.travel_m * share)[..., None] * signs, component)
 
 
-def _patches(motion: WheelMotion, component: int) -> Iterator[Array]:
+def _patches(motion: CountedMotion, component: int) -> Iterator[Array]:
     """Yield what is lost on each patch, by the wheels that stand on it."""
     across = 0.5 * motion.track_m * np.stack([np.sin(motion.poses[:, 2]), -np.cos(motion.poses[:, 2])], axis=-1)
     places = np.stack([motion.poses[:, :2] + across, motion.poses[:, :2] - across], axis=1)

@@ -71,7 +71,7 @@ class _Cone:
     """Light that returns from a white wall head-on."""
 
     @classmethod
-    def of(cls, robot: RobotConfig) -> "_Cone":
+    def from_robot(cls, robot: RobotConfig) -> "_Cone":
         angle, roll = ray_pattern(robot.tof.rays, np.radians(robot.tof.field_of_view_deg))
         profile, weighting = beam_profile(robot.tof, angle), robot.effects.functions(Slot.RAY_WEIGHT)
         full_signal = head_on_factor(profile, angle) * float(profile.sum())
@@ -169,7 +169,7 @@ class RangesInArena(Ranges):
         """Return the rays of a robot, of which only their weights may differ from those of the nominal one."""
         key = _numbers(robot.effects.in_slots({Slot.RAY_WEIGHT}))
         if key not in self._cones:
-            self._cones[key] = _Cone.of(robot)
+            self._cones[key] = _Cone.from_robot(robot)
         return self._cones[key]
 
     def _is_clear(self, k: int, path: Array, view: _View, cone: _Cone) -> Mask:

@@ -61,7 +61,7 @@ class Whitening:
         lag = np.stack([np.ones_like(rest), np.append(-self.keep[1:], 0.0)])
         return np.asarray(solve_banded((1, 0), lag, rest))
 
-    def of(self, speeds: Array) -> Array:
+    def applied(self, speeds: Array) -> Array:
         """Return the innovations (..., n) of speeds or of their changes, with the standard deviation of a speed."""
         if not speeds.size:
             return speeds
@@ -108,7 +108,7 @@ class CountNoise:
     """Standard deviation of a speed, as it is stated."""
 
     @classmethod
-    def of(cls, rounding: Array, goes_on: Mask, known: Mask, keep: float, stated: float) -> "CountNoise":
+    def from_rounding(cls, rounding: Array, goes_on: Mask, known: Mask, keep: float, stated: float) -> "CountNoise":
         """Return the noise, whose parts are no more than what is stated."""
         largest = stated / np.hypot(1.0, MIN_TORQUE_RATIO)
         return cls(np.minimum(rounding, largest), goes_on, known, float(np.clip(keep, *KEEP_LIMITS)), stated)

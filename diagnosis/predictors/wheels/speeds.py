@@ -87,7 +87,7 @@ class Wheels:
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         is_case = isinstance(measurement.nominal, NominalDrive)
-        self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
+        self._grid = Grid.from_measurement(measurement, 1.0 / ROW_S if is_case else None)
         # The motor of a case includes the inertia and friction of the whole robot, that of a robot file does not.
         self._load = NO_LOAD if is_case else WheelLoad.from_model(RobotModel.from_config(nominal))
         self._is_coupled = not is_case
@@ -174,7 +174,7 @@ class Wheels:
         # The error of a rounded count is even, and there are two of them in each speed.
         rounding = 2.0 * pi / self._counts / lasts_s / np.sqrt(6.0)
         goes_on = continued(observed.trial, observed.holdout, lasts_s, self._grid.period_s)
-        return CountNoise.of(rounding, goes_on, observed.usable, keep, float(np.median(observed.sd)))
+        return CountNoise.from_rounding(rounding, goes_on, observed.usable, keep, float(np.median(observed.sd)))
 
     def _early_voltages(self, measurement: Measurement, nominal: RobotConfig) -> tuple[EarlyVoltages, ...]:
         """Return the responses of the left and the right wheel to voltages that act before they are logged."""
@@ -337,7 +337,7 @@ class Wheels:
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        speeds = self._known.of(robots)
+        speeds = self._known.predictions(robots)
         return tuple(Predicted(speeds[:, k], observed.sd) for k, observed in enumerate(self.observed))
 
     def _speeds(self, robots: Sequence[RobotConfig]) -> Array:

@@ -47,7 +47,7 @@ def test_innovations_by_the_whole_covariance(rounding, torque):
     noise = noise_of(60, rounding, torque, starts=(0, 20, 40))
     residual = np.random.default_rng(1).standard_normal((3, 60))
     expected = np.linalg.solve(np.linalg.cholesky(covariance(60, rounding, torque, 20)), residual.T).T
-    assert noise.whitening(torque).of(residual) == pytest.approx(noise.stated * expected, rel=1e-9)
+    assert noise.whitening(torque).applied(residual) == pytest.approx(noise.stated * expected, rel=1e-9)
 
 
 def test_speeds_that_are_not_known_say_nothing_about_the_others():
@@ -59,7 +59,7 @@ def test_speeds_that_are_not_known_say_nothing_about_the_others():
     whole = covariance(40, rounding, torque, 40)[np.ix_(kept, kept)]
     expected = noise.stated * np.linalg.solve(np.linalg.cholesky(whole), residual[kept])
     residual[lost] = np.nan
-    assert noise.whitening(torque).of(residual)[kept] == pytest.approx(expected, rel=1e-4, abs=1e-4)
+    assert noise.whitening(torque).applied(residual)[kept] == pytest.approx(expected, rel=1e-4, abs=1e-4)
 
 
 def test_the_level_is_that_of_a_speed_by_both_parts_relative_to_the_statement():
@@ -71,7 +71,7 @@ def test_the_level_is_that_of_a_speed_by_both_parts_relative_to_the_statement():
 def test_innovations_have_speeds_again():
     whitening = noise_of(50, 1.0, 0.5, starts=(0, 25)).whitening(0.5)
     residual = np.random.default_rng(3).standard_normal(50)
-    assert whitening.undone(whitening.of(residual)) == pytest.approx(residual, abs=1e-9)
+    assert whitening.undone(whitening.applied(residual)) == pytest.approx(residual, abs=1e-9)
 
 
 def test_a_row_continues_the_one_before_within_a_trial_of_the_fit_and_without_a_gap():
@@ -86,7 +86,7 @@ def test_a_prediction_that_does_not_exist_makes_no_other_rows_unknown():
     whitening = noise_of(10, 1.0, 0.5).whitening(0.5)
     speeds = np.ones((2, 10))
     speeds[1, 4] = np.nan
-    found = whitening.of(speeds)
+    found = whitening.applied(speeds)
     assert np.isfinite(found[0]).all()
     assert np.flatnonzero(np.isnan(found[1])).tolist() == [4]
 
@@ -133,7 +133,7 @@ def test_innovations_have_no_bias_in_a_closed_loop():
     of_torques = torque * np.sqrt(PULSE**2 * _ends() + (1.0 - PULSE) ** 2)
     whitening = noise_of(rows, tick_rad / ROW_S / np.sqrt(6.0), of_torques).whitening(of_torques)
     assert np.abs(_biases(residual.T, slopes.transpose(0, 2, 1))).min() > 4.0
-    assert np.abs(_biases(whitening.of(residual.T), whitening.of(slopes.transpose(0, 2, 1)))).max() < 3.0
+    assert np.abs(_biases(whitening.applied(residual.T), whitening.applied(slopes.transpose(0, 2, 1)))).max() < 3.0
 
 
 def _biases(z, slopes):
@@ -167,7 +167,7 @@ def _speeds(voltages, late_s, lag_s):
 
 def test_a_load_that_begins_with_a_row_slows_the_means_as_a_first_order_lag_does():
     """The mean of 1 - exp(-t / lag) over the row from k to k + 1 lags is 1 - (1 - 1/e) exp(-k)."""
-    noise = CountNoise.of(np.full(8, 0.1), np.arange(8) > 0, np.ones(8, dtype=bool), np.exp(-1.0), 0.2)
+    noise = CountNoise.from_rounding(np.full(8, 0.1), np.arange(8) > 0, np.ones(8, dtype=bool), np.exp(-1.0), 0.2)
     load = (np.arange(8) >= 2).astype(float)
     expected = np.where(load > 0.0, 1.0 - (1.0 - np.exp(-1.0)) * np.exp(2.0 - np.arange(8)), 0.0)
     np.testing.assert_allclose(noise.response(load[:, None])[:, 0], expected, atol=1e-12)
@@ -175,5 +175,5 @@ def test_a_load_that_begins_with_a_row_slows_the_means_as_a_first_order_lag_does
 
 def test_a_load_says_nothing_of_the_rows_after_a_gap():
     goes_on = np.arange(6) != 3
-    noise = CountNoise.of(np.full(6, 0.1), goes_on, np.ones(6, dtype=bool), 0.5, 0.2)
+    noise = CountNoise.from_rounding(np.full(6, 0.1), goes_on, np.ones(6, dtype=bool), 0.5, 0.2)
     assert not noise.response(np.eye(6)[:, 2:3])[3:].any()

@@ -45,9 +45,9 @@ def test_robots_that_are_equal_for_a_stage_are_predicted_once(robot):
     stage = KnownPredictions((), {Slot.SUPPLY}, lambda robots: (batches.append(len(robots)), sags(robots))[1])
     sagging = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in (0.3, 0.5)]
     scaled = sagging[0].with_effect(RangeScale(scale=1.1))
-    assert stage.of([robot, sagging[0], scaled]).tolist() == [[1.0, 0.0], [1.0, 0.3], [1.0, 0.3]]
-    assert stage.of([sagging[1], scaled, robot]).tolist() == [[1.0, 0.5], [1.0, 0.3], [1.0, 0.0]]
-    assert stage.of([robot, sagging[1]]).tolist() == [[1.0, 0.0], [1.0, 0.5]]
+    assert stage.predictions([robot, sagging[0], scaled]).tolist() == [[1.0, 0.0], [1.0, 0.3], [1.0, 0.3]]
+    assert stage.predictions([sagging[1], scaled, robot]).tolist() == [[1.0, 0.5], [1.0, 0.3], [1.0, 0.0]]
+    assert stage.predictions([robot, sagging[1]]).tolist() == [[1.0, 0.0], [1.0, 0.5]]
     assert batches == [2, 1]
 
 
@@ -57,9 +57,9 @@ def test_the_oldest_predictions_are_forgotten_when_memory_is_short(robot):
         (), {Slot.SUPPLY}, lambda robots: (batches.append(len(robots)), sags(robots))[1], max_bytes=2 * 16
     )
     several = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in (0.1, 0.2, 0.3)]
-    assert stage.of(several)[:, 1].tolist() == [0.1, 0.2, 0.3]
-    assert stage.of(several[1:])[:, 1].tolist() == [0.2, 0.3]
-    assert stage.of(several[:1])[:, 1].tolist() == [0.1]
+    assert stage.predictions(several)[:, 1].tolist() == [0.1, 0.2, 0.3]
+    assert stage.predictions(several[1:])[:, 1].tolist() == [0.2, 0.3]
+    assert stage.predictions(several[:1])[:, 1].tolist() == [0.1]
     assert batches == [3, 1]
 
 
@@ -76,5 +76,5 @@ def test_a_batch_does_not_stay_in_memory_with_the_one_prediction_that_is_kept(ro
     stage = KnownPredictions((), {Slot.SUPPLY}, predict, max_bytes=16)
     ohms = np.linspace(0.001, 0.2, 200)
     several = [robot.with_effect(SupplySag(source_resistance_ohm=ohm)) for ohm in ohms.tolist()]
-    assert stage.of(several)[:, 1].tolist() == ohms.tolist()
+    assert stage.predictions(several)[:, 1].tolist() == ohms.tolist()
     assert all(batch() is None for batch in batches)

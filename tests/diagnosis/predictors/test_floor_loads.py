@@ -13,7 +13,9 @@ GOES_ON = np.arange(ROWS) % 40 < 39
 def loads_of(poses, signs=None):
     """Functions of the left and the right wheel of two trials of 40 rows."""
     known = np.ones(ROWS, dtype=bool)
-    noises = [CountNoise.of(np.full(ROWS, 0.1), np.arange(ROWS) % 40 > 0, known, keep, 0.2) for keep in (0.3, 0.6)]
+    noises = [
+        CountNoise.from_rounding(np.full(ROWS, 0.1), np.arange(ROWS) % 40 > 0, known, keep, 0.2) for keep in (0.3, 0.6)
+    ]
     signs = [np.ones(ROWS)] * 2 if signs is None else signs
     return list(floor_loads(poses, TRACK_M, signs, noises, GOES_ON)), noises
 

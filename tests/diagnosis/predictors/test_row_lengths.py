@@ -33,7 +33,7 @@ def lengths_s(logged_s, counted_s, counts_per_turn, outliers=()):
     channels = tuple(Channel.logged(TimeSeries(k, "", logged_s, v), Role.READING) for k, v in columns.items())
     trial = Trial("1", logged_s, np.zeros(ROWS, dtype=bool), channels, begins_s=0.0)
     log = Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), (trial,), None)
-    return row_lengths_s(log, Grid.of(log, 1.0 / PERIOD_S), *rows_after(log, 1)), np.diff(logged_s)
+    return row_lengths_s(log, Grid.from_measurement(log, 1.0 / PERIOD_S), *rows_after(log, 1)), np.diff(logged_s)
 
 
 @pytest.mark.parametrize("outliers", [(), range(40, 600, 50)])

@@ -14,7 +14,7 @@ from diagnosis.inference.unexplained.adequacy import LEVEL, adequacy
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.predictors.pose.by_counts import Pose
-from diagnosis.predictors.pose.wheel_slip import ACCELERATION, FORWARD, TURN, WheelMotion, slip_functions
+from diagnosis.predictors.pose.wheel_slip import ACCELERATION, FORWARD, TURN, CountedMotion, slip_functions
 from tests.diagnosis.predictors.driven_wheels import BASE, NOMINAL, RADIUS, ROW_S, TICKS, measured
 
 ROWS, STEPS, STEP_S = 800, 50, 0.001
@@ -29,7 +29,7 @@ def motion(travel_m, poses=None, trials=1):
     first = np.concatenate([np.arange(k * rows, (k + 1) * rows - 10, 5) for k in range(trials)])
     poses = np.full((len(travel_m), 3), np.nan) if poses is None else poses
     starts = np.arange(trials) * rows
-    return WheelMotion(travel_m, np.full(len(travel_m), ROW_S), poses, starts, (first, first + 10), BASE, COUNT_M)
+    return CountedMotion(travel_m, np.full(len(travel_m), ROW_S), poses, starts, (first, first + 10), BASE, COUNT_M)
 
 
 def test_what_one_wheel_loses_turns_the_robot_and_what_both_lose_stops_it():

@@ -45,7 +45,7 @@ def test_an_offset_too_weak_for_a_name_widens_the_error_of_the_gain(fitted):
     whole_fall = 2.4**2 * (ROWS - X.sum() ** 2 / (X @ X))
     assert found.beside == "current_sensor_offset"
     assert found.rise == pytest.approx(PARAMETER_PENALTY + SECOND - whole_fall, abs=1.5)
-    named = NamedEffect.of(evidence, fit, fit, RivalComparison(gain, 0.97, ()), found)
+    named = NamedEffect.from_comparison(evidence, fit, fit, RivalComparison(gain, 0.97, ()), found)
     error = abs(named.values["gain"] - GAIN)
     assert error > 15.0 * fit.std(gain)["gain"]
     assert error < 3.0 * named.std["gain"]
@@ -55,7 +55,7 @@ def test_what_whole_runs_change_is_not_of_the_second_effect(fitted):
     evidence, fit, gain, offset = fitted(2.4)
     found, comparison = other_size(evidence, fit, gain, [gain, offset]), RivalComparison(gain, 0.97, ())
     later = replace(fit, x=fit.x + 0.1, is_of_whole_runs=True)
-    before, after = (NamedEffect.of(evidence, fit, each, comparison, found) for each in (fit, later))
+    before, after = (NamedEffect.from_comparison(evidence, fit, each, comparison, found) for each in (fit, later))
     assert abs(after.values["gain"] - before.values["gain"]) > before.std["gain"]
     assert after.std["gain"] == pytest.approx(before.std["gain"], rel=1e-3)
 
