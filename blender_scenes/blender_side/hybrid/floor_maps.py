@@ -9,13 +9,13 @@ import numpy as np
 
 from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, lies_on_the_floor
 from blender_scenes.hybrid.denoiser import Denoiser
-from blender_scenes.hybrid.floor_layers import FloorLayers
-from blender_scenes.hybrid.floor_light import without_noise
-from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
-from blender_scenes.hybrid.footprints import Footprints
-from blender_scenes.hybrid.relief import TILTS, lean, lean_without, shading
-from blender_scenes.hybrid.small_lights import SmallLight
-from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
+from blender_scenes.hybrid.floor.footprints import Footprints
+from blender_scenes.hybrid.floor.layers import FloorLayers
+from blender_scenes.hybrid.floor.light import without_noise
+from blender_scenes.hybrid.floor.relief import TILTS, lean, lean_without, shading
+from blender_scenes.hybrid.floor.sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.hybrid.floor.tiled_map import Tile, TiledMap, Tiling, normals
+from blender_scenes.hybrid.shadows.small_lights import SmallLight
 from blender_scenes.render.job import RenderJob
 from sensors.camera.views import FrameView
 from symolo.core.arrays import FloatImage

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from blender_scenes.blender_side.hybrid.scenes import HybridScenes, Passes
-from blender_scenes.hybrid.body_shadows import BodyShadows
-from blender_scenes.hybrid.casters import casting_meshes
-from blender_scenes.hybrid.floor_sight import FilterPoint, FloorSight
-from blender_scenes.hybrid.small_lights import SmallLamp, SmallLight, SunDisc
+from blender_scenes.hybrid.floor.sight import FilterPoint, FloorSight
+from blender_scenes.hybrid.shadows.body_shadows import BodyShadows
+from blender_scenes.hybrid.shadows.casters import casting_meshes
+from blender_scenes.hybrid.shadows.small_lights import SmallLamp, SmallLight, SunDisc
 from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.scene.description import LightPanel, Scene
 from sensors.camera.views import FrameView

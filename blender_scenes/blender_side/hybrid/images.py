@@ -26,11 +26,11 @@ from blender_scenes.blender_side.hybrid.hard_light import HardLight, HardLightTr
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
 from blender_scenes.blender_side.hybrid.scenes import HybridScenes, Passes, lies_on_the_floor
 from blender_scenes.hybrid.denoiser import Denoiser
-from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight
+from blender_scenes.hybrid.floor.sight import MIDDLE, FloorSight
 from blender_scenes.hybrid.guided_filter import local_lines, no_brighter_than_around
 from blender_scenes.hybrid.lowest_row import EdgesInSight
-from blender_scenes.hybrid.moving_shade import denoised_pair
-from blender_scenes.hybrid.shadow_guide import ShadowGuide
+from blender_scenes.hybrid.shadows.moving_shade import denoised_pair
+from blender_scenes.hybrid.shadows.shadow_guide import ShadowGuide
 from blender_scenes.hybrid.upsampling import reduced
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import LightPanel, Mesh

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from blender_scenes.hybrid.joint_profile import JointProfile, widened
+from blender_scenes.hybrid.floor.joint_profile import JointProfile, widened
 
 
 @dataclass(frozen=True)

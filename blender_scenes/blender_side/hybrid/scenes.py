@@ -29,7 +29,7 @@ from blender_scenes.blender_side.hybrid.materials import (
 )
 from blender_scenes.blender_side.placing import place
 from blender_scenes.blender_side.rendering import Part, rendered, show_part
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.typical import typical_color
 from sensors.camera.views import FrameView

@@ -115,7 +115,7 @@ def _patches(motion: CountedMotion, component: int) -> Iterator[Array]:
     driven_m = driven_m[driven_m > motion.count_m]
     if not known.any() or not len(driven_m):
         return
-    # The motion forward hardly tells which wheel loses it, and the turn not whether both do on the same floor.
+    # The distance forward hardly shows which wheel loses it. The turn shows the difference of both wheels alone.
     wheels = (BOTH,) if component == FORWARD else (BOTH, RIGHT, LEFT)
     for radius in RADII:
         radius_m = radius * float(np.quantile(driven_m, FAST))

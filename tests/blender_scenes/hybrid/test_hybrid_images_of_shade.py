@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.small_lights import SmallLamp
+from blender_scenes.hybrid.shadows.small_lights import SmallLamp
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid import body_shadows
-from blender_scenes.hybrid.body_shadows import BodyShadows
-from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight, filter_points
-from blender_scenes.hybrid.shadow_mask import shadow_mask
-from blender_scenes.hybrid.small_lights import SmallLamp, SmallLight, SunDisc
+from blender_scenes.hybrid.floor.sight import MIDDLE, FloorSight, filter_points
+from blender_scenes.hybrid.shadows import body_shadows
+from blender_scenes.hybrid.shadows.body_shadows import BodyShadows
+from blender_scenes.hybrid.shadows.shadow_mask import shadow_mask
+from blender_scenes.hybrid.shadows.small_lights import SmallLamp, SmallLight, SunDisc
 from blender_scenes.scene.description import LightPanel, Mesh, Sun
 from blender_scenes.scene.meshes import block
 from configs.schema.robot import Camera

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blender_scenes.hybrid.tiled_map import Tile, TiledMap, Tiling, normals
+from blender_scenes.hybrid.floor.tiled_map import Tile, TiledMap, Tiling, normals
 
 TEXEL_M = 0.01
 PLAIN = Tiling(texel_m=TEXEL_M, levels=3, core=16)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.relief import TILTS, lean, lean_from, lean_without, shading
-from blender_scenes.hybrid.small_lights import SmallLamp
+from blender_scenes.hybrid.floor.relief import TILTS, lean, lean_from, lean_without, shading
+from blender_scenes.hybrid.shadows.small_lights import SmallLamp
 from blender_scenes.scene.description import LightPanel
 
 SUN = (-0.6, -0.48, 0.64)

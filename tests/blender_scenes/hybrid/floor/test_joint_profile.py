@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.joint_profile import JointProfile, widened
+from blender_scenes.hybrid.floor.joint_profile import JointProfile, widened
 
 TILE_M = 0.1
 JOINTS = [JointProfile(0.00025, 0.5), JointProfile(0.002, 0.3), JointProfile(0.0008, 1.0), JointProfile(0.003, 0.0)]

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.casters import Caster, casters, casting_meshes
-from blender_scenes.hybrid.shadow_mask import shadow_mask
-from blender_scenes.hybrid.wide_lights import even_directions
+from blender_scenes.hybrid.shadows.casters import Caster, casters, casting_meshes
+from blender_scenes.hybrid.shadows.shadow_mask import shadow_mask
+from blender_scenes.hybrid.shadows.wide_lights import even_directions
 from blender_scenes.scene.description import Mesh, Scene, Sky
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.shading import Color, Surface

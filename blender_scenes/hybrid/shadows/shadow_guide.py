@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blender_scenes.hybrid.body_shadows import moments_of
-from blender_scenes.hybrid.casters import Caster, casters, casting_meshes
-from blender_scenes.hybrid.floor_sight import MIDDLE, FloorSight
-from blender_scenes.hybrid.shadow_mask import ShadowMask, shadow_mask
-from blender_scenes.hybrid.wide_lights import WideLamp, even_directions
+from blender_scenes.hybrid.floor.sight import MIDDLE, FloorSight
+from blender_scenes.hybrid.shadows.body_shadows import moments_of
+from blender_scenes.hybrid.shadows.casters import Caster, casters, casting_meshes
+from blender_scenes.hybrid.shadows.shadow_mask import ShadowMask, shadow_mask
+from blender_scenes.hybrid.shadows.wide_lights import WideLamp, even_directions
 from blender_scenes.scene.description import Scene
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array, FloatImage

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.denoiser import Denoiser
-from blender_scenes.hybrid.moving_shade import denoised_pair
+from blender_scenes.hybrid.shadows.moving_shade import denoised_pair
 
 HEIGHT, WIDTH, SAMPLES = 60, 80, 4
 LAMPS = np.array([1.0, 1.0, 2.0, 4.0])

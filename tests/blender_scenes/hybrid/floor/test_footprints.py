@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.footprints import Footprints
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.footprints import Footprints
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.rooms.furniture.sheets import Sheets, sheets
 from blender_scenes.scene.bevel import bevelled_box
 from blender_scenes.scene.description import Mesh

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from blender_scenes.hybrid.casters import Caster, casters
-from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight
-from blender_scenes.hybrid.shadow_mask import ShadowMask, shadow_mask
-from blender_scenes.hybrid.small_lights import SmallLight, on_floor
+from blender_scenes.hybrid.floor.sight import MIDDLE, FilterPoint, FloorSight
+from blender_scenes.hybrid.shadows.casters import Caster, casters
+from blender_scenes.hybrid.shadows.shadow_mask import ShadowMask, shadow_mask
+from blender_scenes.hybrid.shadows.small_lights import SmallLight, on_floor
 from blender_scenes.scene.description import Mesh
 from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array, FloatImage

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from blender_scenes.hybrid.footprints import covered
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.footprints import covered
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.scene.description import Mesh
 from symolo.core.arrays import Array, FloatImage
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.scene.description import Mesh
 from symolo.core.arrays import Array, FloatImage
 

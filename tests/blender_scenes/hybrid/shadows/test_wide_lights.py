@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.wide_lights import WideLamp, even_directions, lattice
+from blender_scenes.hybrid.shadows.wide_lights import WideLamp, even_directions, lattice
 from blender_scenes.scene.description import LightPanel
 
 ABOVE_M, WIDTH_M, DEPTH_M = 0.8, 1.5, 1.0

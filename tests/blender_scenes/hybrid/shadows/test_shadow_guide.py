@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.floor_sight import FloorSight
-from blender_scenes.hybrid.shadow_guide import ShadowGuide
+from blender_scenes.hybrid.floor.sight import FloorSight
+from blender_scenes.hybrid.shadows.shadow_guide import ShadowGuide
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky
 from blender_scenes.scene.meshes import block
 from sensors.camera.shutter import MOMENTS

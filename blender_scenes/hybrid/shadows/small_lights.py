@@ -5,7 +5,7 @@ A point of a light is homogeneous: (x, y, z, 1) for a place, (x, y, z, 0) for a 
 
 import numpy as np
 
-from blender_scenes.hybrid.relief import lean_from
+from blender_scenes.hybrid.floor.relief import lean_from
 from blender_scenes.scene.description import LightPanel, Sun
 from symolo.core.arrays import Array, FloatImage
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from blender_scenes.hybrid.casters import Caster
-from blender_scenes.hybrid.small_lights import on_floor
+from blender_scenes.hybrid.shadows.casters import Caster
+from blender_scenes.hybrid.shadows.small_lights import on_floor
 from symolo.core.arrays import Array, FloatImage
 
 _FINER = 4

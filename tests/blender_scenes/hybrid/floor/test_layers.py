@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.floor_layers import FloorLayers
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.layers import FloorLayers
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import rectangle
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.denoiser import Denoiser
-from blender_scenes.hybrid.floor_light import nearest_free, without_holes, without_noise
-from blender_scenes.hybrid.footprints import Footprints
-from blender_scenes.hybrid.tiled_map import Tile
+from blender_scenes.hybrid.floor.footprints import Footprints
+from blender_scenes.hybrid.floor.light import nearest_free, without_holes, without_noise
+from blender_scenes.hybrid.floor.tiled_map import Tile
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import stood
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.hybrid.floor.sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from sensors.camera.shutter import exposed, moment, window
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Shutter, floor_points, intrinsics, pose_X_RC
@@ -228,7 +228,7 @@ def test_a_turn_through_half_a_turn_goes_the_short_way(camera, arena, X_RC, view
 def test_points_of_large_images_which_are_not_cached_are_the_same(monkeypatch, camera, view, kept):
     points = filter_points(1.5)
     whole = [FloorSight(camera, view, 1.0).points(view, point) for point in points]
-    monkeypatch.setattr("blender_scenes.hybrid.floor_sight._MAX_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)
+    monkeypatch.setattr("blender_scenes.hybrid.floor.sight._MAX_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)
     sight = FloorSight(camera, view, 1.0)
     for _ in range(2):
         for point, expected in zip(points, whole, strict=True):

@@ -1,0 +1,1 @@
+"""Shadows of what moves, by its outlines, and the light that is left in them."""
