@@ -1,7 +1,7 @@
 """Counts that an encoder loses at one angle of its wheel, and how the changes of the pose respond to them.
 
-A damaged slot of an encoder is missed once in each turn. The counts then say too little of the way, by as much in each
-turn, as with a larger wheel; but the loss comes at once. The first harmonic of such jumps resembles a wheel that runs
+A damaged slot of an encoder is missed once in each turn. The counted way is then too short by as much in each turn, as
+with a larger wheel, but the loss comes at once. The first harmonic of such jumps resembles a wheel that runs
 out of true, so that the two must compete. A wheel has turned further than it was counted, so that the angle of the
 damage drifts in the counts.
 """
