@@ -73,11 +73,11 @@ def _documented(members: type) -> Iterator[tuple[str, str]]:
 
 def _section(effect: type[Effect]) -> Iterator[str]:
     yield f"## {effect.name}"
+    yield text(inspect.getdoc(effect) or "")
     yield f"Slot: *{effect.slot}*. Possible causes: {text(effect.cause)}. Seen in: {text(effect.excitation)}."
     places = f"in these measurements: {', '.join(effect.setups)}" if effect.setups else "in no measurement"
     yield f"The diagnosis looks for it {places}."
-    yield from map(text, field_descriptions(effect).values())
-    yield table(("parameter", "unit", "null", "start", "bounds"), _rows(effect))
+    yield table(("parameter", "unit", "null", "start", "bounds", "meaning"), _rows(effect))
     choices = {name: next(iter(options), "any") for name, options in effect.options().items()}
     values = effect.start(choices).model_dump()
     yield "    " + " ".join(
@@ -86,11 +86,13 @@ def _section(effect: type[Effect]) -> Iterator[str]:
 
 
 def _rows(effect: type[Effect]) -> Iterator[tuple[str, ...]]:
+    meanings = field_descriptions(effect)
     for name, options in effect.options().items():
-        yield name, "-", "-", ", ".join(options), ""
+        yield name, "-", "-", "-", ", ".join(options) or "any name", text(meanings.get(name, ""))
     for name, number in effect.parameters().items():
         null = "-" if number.null is None else f"{number.null:g}"
-        yield name, number.unit, null, f"{number.start:g}", f"{number.low:g} ... {number.high:g}"
+        bounds = f"{number.low:g} ... {number.high:g}"
+        yield name, number.unit, null, f"{number.start:g}", bounds, text(meanings.get(name, ""))
 
 
 def _number(value: object) -> str:

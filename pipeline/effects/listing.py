@@ -21,6 +21,8 @@ def effect_lines(slot: Slot | None = None) -> Iterator[str]:
 def effect_text(effect: type[Effect]) -> Iterator[str]:
     """Yield the lines about one effect."""
     yield effect.name
+    if effect.__doc__:
+        yield f"  meaning:     {' '.join(effect.__doc__.split())}"
     yield f"  slot:        {effect.slot}"
     yield f"  cause:       {effect.cause}"
     yield f"  seen in:     {effect.excitation}"

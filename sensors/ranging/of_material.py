@@ -15,11 +15,14 @@ from symolo.core.errors import nearest
 
 
 class OfMaterial(Effect):
+    """Base of effects that act on the ranges of one material only."""
+
     slot = Slot.RANGE
     setups = (Setup.RANGE_BENCH,)
 
-    # In the simulation, a surface of `physics.arena.surfaces`; on a bench, any name in its list of materials.
     material: Annotated[Slug, Fixed("a name is text")]
+    """Material with this error: the surface of a wall or an obstacle in the simulation, a name in the list of materials
+    on a bench."""
 
     def share(self, view: RangeView) -> Array:
         """Return the share of the returned light that comes from the material."""

@@ -253,7 +253,9 @@ def test_list_and_show_say_what_the_classes_say(capsys):
     assert main(["effect", "list", "--slot", "range noise"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["noise_scale", "ambient_noise"]
     assert main(["effect", "show", "supply_sag"]) == 0
-    assert "source_resistance_ohm: 0 ... 20 ohm, null 0, start 0.5" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "meaning:     The supply has an internal resistance" in shown
+    assert "source_resistance_ohm: 0 ... 20 ohm, null 0, start 0.5" in shown
     assert main(["effect", "show", "suply_sag"]) == 2
     assert "did you mean supply_sag" in capsys.readouterr().err
 

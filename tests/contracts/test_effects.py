@@ -15,6 +15,7 @@ from pipeline.effects.contract import RULES, judged
 from pipeline.effects.probe import Probe, equal
 from pipeline.effects.trial import ANY_NAME, trials
 from symolo.core.errors import InputError
+from symolo.core.field_descriptions import field_descriptions
 
 ROOT = Path(__file__).parents[2]
 BY_NAME = EFFECTS.by_name()
@@ -128,6 +129,12 @@ def test_a_multiplicative_parameter_is_1_without_effect_and_any_other_0(effect):
 def test_the_name_of_a_number_ends_in_its_unit(effect):
     for name, number in effect.parameters().items():
         assert number.unit == "1" or name.endswith(UNITS[number.unit])
+
+
+@pytest.mark.parametrize("effect", EFFECTS.classes(), ids=lambda effect: effect.name)
+def test_an_effect_and_each_of_its_fields_have_a_description(effect):
+    assert effect.__doc__
+    assert set(field_descriptions(effect)) == set(effect.model_fields)
 
 
 def test_a_robot_without_effects_has_no_key_for_any():

@@ -147,5 +147,6 @@ def cost(value: float) -> str:
 
 
 def meaning(effect: type[Effect]) -> str:
-    """Return what the effect does, as the schema describes it: `R_true = scale * R`."""
-    return " ".join(next(iter(field_descriptions(effect).values()), "").split())
+    """Return the description of the effect's first number, which is its equation: `R_true = scale * R`."""
+    descriptions = field_descriptions(effect)
+    return " ".join(next((descriptions[name] for name in effect.parameters() if name in descriptions), "").split())

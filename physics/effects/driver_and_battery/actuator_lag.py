@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class ActuatorLag(Effect):
+    """The voltage at the motor follows the commanded voltage as through a first-order low-pass filter."""
+
     slot = Slot.ACTUATOR
     cause = "filtered or ramped PWM"
     excitation = "steps of voltage, after which the current rises late"

@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class BatteryDecline(Effect):
+    """The voltage of the battery falls linearly with the time since the start of the session."""
+
     slot = Slot.BATTERY
     cause = "discharge under a driver that does not regulate"
     excitation = "the same commands early and late in the session"

@@ -13,6 +13,10 @@ MIN_RATIO = 1e-9
 
 
 class BridgeCoast(Effect):
+    """The bridge disconnects the motor in the off time of its PWM, so that the current falls to zero early and the mean
+    voltage at the motor is not duty times supply.
+    """
+
     slot = Slot.CONDUCTION
     cause = "a driver in fast decay (coast) mode, with PWM on its enable pin or on one input"
     excitation = "speeds at all duty cycles, low and high"

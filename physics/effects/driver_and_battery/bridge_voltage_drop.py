@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class BridgeVoltageDrop(Effect):
+    """The transistors of the bridge lose a constant voltage, so that small voltages drive no current."""
+
     slot = Slot.BRIDGE
     cause = "saturation voltage of bipolar bridges, body diodes"
     excitation = "low voltages of both signs, and current at rest"

@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class CurrentLimit(Effect):
+    """The driver limits the current of each motor, in both directions."""
+
     slot = Slot.CURRENT_LIMIT
     cause = "protection of the bridge"
     excitation = "hard starts and reversals"

@@ -5,6 +5,8 @@ from configs.effects.parameter import Delay
 
 
 class InputDelay(Effect):
+    """Each commanded voltage acts later than it is logged, by the same time."""
+
     slot = Slot.COMMAND_DELAY
     cause = "buffering and a slow bus between controller and driver"
     excitation = "steps of voltage"

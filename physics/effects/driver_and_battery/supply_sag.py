@@ -17,6 +17,8 @@ MIN_SLOPE = 1e-9
 
 
 class SupplySag(Effect):
+    """The supply has an internal resistance, so that its voltage falls with the current of all motors together."""
+
     slot = Slot.SUPPLY
     cause = "internal resistance of the cells, thin leads"
     excitation = "full duty compared with partial duty, one wheel stalled while the other runs"

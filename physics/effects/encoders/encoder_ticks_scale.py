@@ -7,6 +7,8 @@ from configs.effects.parameter import GeometryScale, Plausible
 
 
 class EncoderTicksScale(Effect):
+    """Both encoders count more or fewer ticks per revolution than the description of the robot states."""
+
     slot = Slot.ENCODER
     cause = "a different gear ratio or code wheel"
     excitation = "speeds and distances that are known from another source"

@@ -8,6 +8,8 @@ from physics.drivetrain.motor import Motors
 
 
 class CoulombFrictionScale(Effect):
+    """The Coulomb friction Tc of both motors, which does not depend on the speed, differs from the nominal one."""
+
     slot = Slot.MOTORS
     cause = "a dry or a new gearbox, side load on the shaft"
     excitation = "no-load current at low speed, and breakaway"

@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class FrictionAsymmetry(Effect):
+    """The Coulomb friction Tc is larger in one direction of rotation than in the other."""
+
     slot = Slot.FRICTION
     cause = "axial load on worm or helical gears, brushes set at an angle"
     excitation = "both directions of rotation"

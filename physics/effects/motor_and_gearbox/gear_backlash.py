@@ -13,6 +13,8 @@ from symolo.core.arrays import Array
 
 
 class GearBacklash(Effect):
+    """Motor and load turn independently within a gap, and push each other at its ends."""
+
     slot = Slot.GEARBOX
     cause = "worn gears, loose couplings"
     excitation = "reversals and braking"

@@ -9,6 +9,8 @@ from symolo.core.arrays import Array
 
 
 class QuadraticDrag(Effect):
+    """A drag that grows with the square of the speed w acts in addition to the other friction."""
+
     slot = Slot.FRICTION
     cause = "churning grease, a fan on the shaft"
     excitation = "current against speed, up to the highest speed"

@@ -8,6 +8,8 @@ from physics.drivetrain.motor import Motors
 
 
 class RotorInertiaScale(Effect):
+    """The moment of inertia J that each motor accelerates differs from the nominal one."""
+
     slot = Slot.MOTORS
     cause = "a different rotor or wheel, a different mass of the robot"
     excitation = "steps of voltage (time constant of the speed)"

@@ -11,6 +11,11 @@ from symolo.core.arrays import Array
 
 
 class StribeckFriction(Effect):
+    """The friction is larger at rest than in motion, and falls with a Gaussian curve of the speed w.
+
+    The law is described by Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083-1138.
+    """
+
     slot = Slot.FRICTION
     cause = "boundary lubrication in gears and bearings"
     excitation = "slow speeds, and breakaway from rest"
@@ -21,6 +26,7 @@ class StribeckFriction(Effect):
     stribeck_speed_rad_s: Annotated[
         float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=2000.0, fit_high=50.0)
     ]
+    """Speed at which 37 % of the extra torque is left."""
 
     def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         falling = np.exp(-((motion.speed_rad_s / self.stribeck_speed_rad_s) ** 2))

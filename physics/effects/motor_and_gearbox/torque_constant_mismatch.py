@@ -8,6 +8,8 @@ from physics.drivetrain.motor import Motors
 
 
 class TorqueConstantMismatch(Effect):
+    """The torque constants K of both motors differ in opposite directions from their mean, which is nominal."""
+
     slot = Slot.MOTORS
     cause = "magnets or gearboxes from different batches"
     excitation = "the same voltage on both wheels"

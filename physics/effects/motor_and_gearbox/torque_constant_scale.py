@@ -9,6 +9,8 @@ from physics.drivetrain.motor import Motors
 
 
 class TorqueConstantScale(Effect):
+    """The torque constant K of both motors, which is also their back-EMF constant, differs from the nominal one."""
+
     slot = Slot.MOTORS
     cause = "a different or an aged magnet, a different gear ratio"
     excitation = "high speed (speed against voltage)"

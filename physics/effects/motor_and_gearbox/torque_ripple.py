@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class TorqueRipple(Effect):
+    """A torque that depends on the angle of the wheel is added, such as the cogging torque of a motor."""
+
     slot = Slot.SHAFT_TORQUE
     cause = "magnets that hold the rotor at some angles, an eccentric gear, a bent shaft"
     excitation = "steps over several turns from the same wheel angle, with slow speeds"

@@ -8,6 +8,8 @@ from physics.drivetrain.motor import Motors
 
 
 class ViscousFrictionScale(Effect):
+    """The viscous friction of both motors, B times the speed, differs from the nominal one."""
+
     slot = Slot.MOTORS
     cause = "stiff or thin grease, misaligned bearings"
     excitation = "current against speed over a wide range of speeds"

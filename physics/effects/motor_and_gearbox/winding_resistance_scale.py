@@ -9,6 +9,8 @@ from physics.drivetrain.motor import Motors
 
 
 class WindingResistanceScale(Effect):
+    """The winding resistance R of both motors differs from the nominal one."""
+
     slot = Slot.MOTORS
     cause = "a different winding, brushes and contacts, a warm winding"
     excitation = "stall and low speed (current against voltage)"

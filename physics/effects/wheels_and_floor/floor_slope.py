@@ -12,6 +12,10 @@ from symolo.core.left_out import equals
 
 
 class FloorSlope(Effect):
+    """The robot creeps downhill while its wheels roll, in proportion to its travel and always in the same direction in
+    W.
+    """
+
     slot = Slot.CREEP
     cause = "a slope, or the nap of a carpet"
     excitation = "drives in many directions: the creep stays in its direction when the robot turns"

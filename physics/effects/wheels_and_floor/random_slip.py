@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class RandomSlip(Effect):
+    """Each wheel slips at random, so that the error of odometry grows with the square root of the distance."""
+
     slot = Slot.SLIP
     cause = "dust, joints and bumps of the floor, tyres that deform"
     excitation = "long drives with known poses"

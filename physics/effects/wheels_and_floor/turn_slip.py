@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class TurnSlip(Effect):
+    """The robot turns less than its wheels do, the more so the larger the lateral acceleration v * yaw rate is."""
+
     slot = Slot.GROUND
     cause = "tyres that creep under lateral force"
     excitation = "arcs at several speeds and curvatures"

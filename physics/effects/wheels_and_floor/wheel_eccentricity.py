@@ -12,12 +12,15 @@ SIDES = np.array(["right", "left"])
 
 
 class WheelEccentricity(Effect):
+    """One wheel turns about a point beside its centre, so that its travel per turn changes once per revolution."""
+
     slot = Slot.ROLLING
     cause = "a bore off the centre of the rim, a tyre that is mounted unevenly"
     excitation = "drives over many turns of the wheels, whose counts begin at the same angle in each trial"
     setups = (Setup.DRIVE,)
 
     side: Literal["left", "right"]
+    """Wheel that is eccentric."""
     amplitude: Annotated[
         float,
         Parameter("1", null=0.0, start=0.02, low=0.0, high=0.5),

@@ -9,6 +9,11 @@ from physics.robot.wheel_geometry import WheelGeometry
 
 
 class WheelRadiusAsymmetry(Effect):
+    """The radii r of both wheels differ in opposite directions from their mean, which is nominal.
+
+    It is the error E_d of Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880.
+    """
+
     slot = Slot.GEOMETRY
     cause = "uneven wear, a tyre that is mounted unevenly"
     excitation = "straight drives, in which the heading drifts with the distance"

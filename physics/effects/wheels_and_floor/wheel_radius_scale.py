@@ -9,6 +9,8 @@ from physics.robot.wheel_geometry import WheelGeometry
 
 
 class WheelRadiusScale(Effect):
+    """Both wheels have the same radius, which differs from the nominal one, so that all distances are scaled."""
+
     slot = Slot.GEOMETRY
     cause = "worn or compressed tyres"
     excitation = "straight drives of known length"

@@ -9,6 +9,11 @@ from physics.robot.wheel_geometry import WheelGeometry
 
 
 class WheelbaseScale(Effect):
+    """The distance between the ground contacts of the wheels differs from the nominal one.
+
+    It is the error E_b of Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880.
+    """
+
     slot = Slot.GEOMETRY
     cause = "wide tyres that touch the floor with one edge, wheels pushed along the shaft"
     excitation = "turns of known angle"

@@ -12,6 +12,10 @@ from symolo.core.arrays import Array
 
 
 class LineAdcSaturation(Effect):
+    """The converter of the line sensor clips all readings, so that line and bare floor do not reach the ends of the
+    scale.
+    """
+
     slot = Slot.LINE_LIMIT
     cause = "a converter whose range is smaller than that of the signal"
     excitation = "line and bare floor"

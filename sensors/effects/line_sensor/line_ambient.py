@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class LineAmbient(Effect):
+    """Ambient light adds the same amount to the readings of all channels."""
+
     slot = Slot.LINE_READING
     cause = "sunlight or lamps in the near infrared"
     excitation = "line and bare floor"

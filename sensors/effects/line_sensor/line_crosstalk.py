@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class LineCrosstalk(Effect):
+    """Each channel receives a part of its light from the spots of its neighbours, which blurs the edges of the line."""
+
     slot = Slot.LINE_READING
     cause = "emitters that also light the spots of the neighbouring receivers"
     excitation = "the edges of the line"

@@ -11,12 +11,15 @@ from symolo.core.arrays import Array
 
 
 class LineGain(Effect):
+    """One channel is more or less sensitive than the others."""
+
     slot = Slot.LINE_READING
     cause = "an aged or dirty photodiode, another resistor"
     excitation = "line and bare floor under that channel"
     setups = (Setup.LINE_LOG,)
 
     channel: ChannelName
+    """Channel with this gain."""
     scale: Annotated[float, Parameter("1", null=1.0, start=1.15, low=0.05, high=5.0)]
     """Reflectance above black of that channel * scale."""
 

@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class LineHeight(Effect):
+    """The line sensor is mounted higher or lower than its description states."""
+
     slot = Slot.LINE_HEIGHT
     cause = "a bent bracket, a worn caster"
     excitation = "the edges of the line, and the level of the bare floor"

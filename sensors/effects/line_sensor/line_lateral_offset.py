@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class LineLateralOffset(Effect):
+    """All channels of the line sensor are displaced sideways by the same distance."""
+
     slot = Slot.LINE_PLACE
     cause = "a board that is screwed on askew"
     excitation = "the edges of the line"

@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class CurrentSensorGain(Effect):
+    """The measured current is a multiple of the true current."""
+
     slot = Slot.CURRENT_READING
     cause = "tolerance of shunt and amplifier"
     excitation = "a wide range of currents and the speed; without the speed, it looks like resistance and friction"

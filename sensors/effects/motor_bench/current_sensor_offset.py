@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class CurrentSensorOffset(Effect):
+    """The measured current is the true current plus a constant."""
+
     slot = Slot.CURRENT_READING
     cause = "offset of amplifier or converter"
     excitation = "rest at 0 V, and currents of both signs"

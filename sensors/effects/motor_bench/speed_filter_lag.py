@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class SpeedFilterLag(Effect):
+    """The measured speed is the true speed after a first-order low-pass filter."""
+
     slot = Slot.SPEED_FILTER
     cause = "smoothing of the encoder's quantised speed"
     excitation = "steps of voltage, after which the measured speed lags behind the one that follows from the current"

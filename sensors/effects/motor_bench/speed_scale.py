@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 
 class SpeedScale(Effect):
+    """The measured speed is a multiple of the true speed."""
+
     slot = Slot.SPEED_READING
     cause = "a different code wheel or gear ratio"
     excitation = "a wide range of speeds, compared with the current"

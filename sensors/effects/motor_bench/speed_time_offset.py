@@ -5,6 +5,8 @@ from configs.effects.parameter import Delay
 
 
 class SpeedTimeOffset(Effect):
+    """The speed is logged later than the current, by the same time in every row."""
+
     slot = Slot.SPEED_DELAY
     cause = "buffering between encoder and log"
     excitation = "steps of voltage, with the current as the time reference"

@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class MarkerOffset(Effect):
+    """The logged position is that of a point ahead of the axle or behind it."""
+
     slot = Slot.POSE_POINT
     cause = "a marker that is not mounted over the axle"
     excitation = "turns on the spot"

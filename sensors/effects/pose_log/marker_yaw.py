@@ -12,6 +12,8 @@ HEADING = np.array([0.0, 0.0, 1.0])
 
 
 class MarkerYaw(Effect):
+    """The logged heading differs from that of the robot by a constant angle."""
+
     slot = Slot.POSE_POINT
     cause = "a tracked body whose axis was set askew at the start of the session"
     excitation = "straight drives, in which the tracked body moves sideways"

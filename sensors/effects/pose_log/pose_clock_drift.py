@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class PoseClockDrift(Effect):
+    """The clock of the camera that logs the pose and the clock of the robot run apart at a constant rate."""
+
     slot = Slot.POSE_DELAY
     cause = "clocks of camera and robot that were aligned at the start only"
     excitation = "fast turns and starts, early and late in a long drive"

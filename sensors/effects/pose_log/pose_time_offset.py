@@ -6,6 +6,8 @@ from symolo.core.arrays import Array
 
 
 class PoseTimeOffset(Effect):
+    """The logged pose is old by a constant time."""
+
     slot = Slot.POSE_DELAY
     cause = "exposure, transmission and clock of the external camera"
     excitation = "fast turns and starts, compared with the encoders"

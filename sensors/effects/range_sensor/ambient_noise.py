@@ -11,6 +11,8 @@ from symolo.core.arrays import Array
 
 
 class AmbientNoise(Effect):
+    """The variance of the noise grows linearly with the ambient light."""
+
     slot = Slot.RANGE_NOISE
     cause = "sunlight and lamps in the near infrared"
     excitation = "many readings under weak and strong light"

@@ -9,6 +9,12 @@ from symolo.core.arrays import Array
 
 
 class CoverCrosstalk(Effect):
+    """A reading is the mean distance of the target and of the cover glass, weighted by the light that both return.
+
+    The target at the distance d returns reflectance / d^2, and the glass a constant amount from the distance 0. The
+    mean is d / (1 + strength d^2 / reflectance).
+    """
+
     slot = Slot.RANGE
     cause = "a cover glass that is dirty or at a wrong distance"
     excitation = "dark and light targets at large distances"

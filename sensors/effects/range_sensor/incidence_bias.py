@@ -11,6 +11,8 @@ from symolo.core.arrays import Array
 
 
 class IncidenceBias(Effect):
+    """Readings are too long or too short on surfaces that the beam hits at an angle, in proportion to the distance."""
+
     slot = Slot.RANGE
     cause = "a light spot that covers near and far parts of the target"
     excitation = "several angles at the same distance"

@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class LogRangeError(Effect):
+    """The error grows with the logarithm of the distance beyond 0.18 m (paper Eq. 24)."""
+
     slot = Slot.RANGE
     cause = "nonlinearity of the timing circuit"
     excitation = "distances below and above 0.18 m"

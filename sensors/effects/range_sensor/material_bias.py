@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class MaterialBias(OfMaterial):
+    """All readings of one material are too long or too short by the same distance."""
+
     cause = "light that enters a surface before it returns, the shape of the pulse"
     excitation = "several materials at the same distance"
 

@@ -12,6 +12,8 @@ REFERENCE_M = 0.1
 
 
 class MaterialSlope(OfMaterial):
+    """The error of the readings of one material grows linearly with the distance; at 0.1 m it is zero."""
+
     cause = "low reflection and high refraction, as of glass"
     excitation = "several materials at near and far distances"
 

@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class NoiseScale(Effect):
+    """The standard deviation of the noise is a multiple of the nominal one."""
+
     slot = Slot.RANGE_NOISE
     cause = "timing budget, supply noise"
     excitation = "many readings of the same target"

@@ -7,6 +7,8 @@ from configs.effects.parameter import Parameter
 
 
 class RangeGatheringTime(Effect):
+    """A reading is the mean distance over the time in which the sensor gathers light."""
+
     slot = Slot.RANGE_GATHERING
     cause = "light that the device gathers over its timing budget"
     excitation = "targets that jump or move fast, with readings at known times"

@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class RangeOffset(Effect):
+    """All readings are too long or too short by the same distance."""
+
     slot = Slot.RANGE
     cause = "mounting depth, missing calibration"
     excitation = "known distances"

@@ -10,6 +10,8 @@ from symolo.core.arrays import Array
 
 
 class RangeSaturation(Effect):
+    """No reading is longer than a limit."""
+
     slot = Slot.RANGE_LIMIT
     cause = "timing budget or range profile of the device"
     excitation = "targets at large distances"

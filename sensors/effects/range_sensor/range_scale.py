@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class RangeScale(Effect):
+    """All readings are a multiple of the distance."""
+
     slot = Slot.RANGE
     cause = "clock of the timing circuit, missing calibration"
     excitation = "distances over the whole range"

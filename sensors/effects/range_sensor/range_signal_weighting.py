@@ -13,6 +13,8 @@ CONTACT_M = 1e-3
 
 
 class RangeSignalWeighting(Effect):
+    """Near parts of a scene have more weight in the mean over the beam, because more of their light returns."""
+
     slot = Slot.RAY_WEIGHT
     cause = "light that falls off with the square of the distance"
     excitation = "edges, steps and curved surfaces, where the beam covers near and far parts"

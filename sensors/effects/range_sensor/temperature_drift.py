@@ -9,6 +9,8 @@ from symolo.core.arrays import Array
 
 
 class TemperatureDrift(Effect):
+    """The error of a reading is proportional to the difference from the reference temperature."""
+
     slot = Slot.RANGE
     cause = "timing circuit without temperature compensation"
     excitation = "very different temperatures at the same distance"

@@ -11,12 +11,15 @@ from symolo.core.arrays import Array
 
 
 class TofMountYaw(Effect):
+    """One of the three range sensors of the robot points in another direction than its description states."""
+
     slot = Slot.RANGE_MOUNT
     cause = "a sensor board that is soldered or mounted at a wrong angle"
     excitation = "walls at several angles"
     setups = (Setup.DRIVE,)
 
     sensor: Literal["front", "left", "right"]
+    """Sensor that is rotated."""
     angle_rad: Annotated[float, Parameter("rad", null=0.0, start=0.1, low=-1.5, high=1.5)]
     """Rotation of that sensor from its nominal direction, counter-clockwise."""
 

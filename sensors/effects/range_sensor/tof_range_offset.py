@@ -11,12 +11,15 @@ from symolo.core.arrays import Array
 
 
 class TofRangeOffset(Effect):
+    """All readings of one range sensor are too long or too short by the same distance."""
+
     slot = Slot.RANGE
     cause = "mounting depth, missing calibration"
     excitation = "walls seen by each sensor from known poses"
     setups = (Setup.DRIVE,)
 
     sensor: Literal["front", "left", "right"]
+    """Sensor with this offset."""
     offset_m: RangeShift
     """Range of that sensor + offset."""
 

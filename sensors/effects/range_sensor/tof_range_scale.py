@@ -7,6 +7,8 @@ from symolo.core.arrays import Array
 
 
 class TofRangeScale(Effect):
+    """The readings of all three range sensors are the same multiple of the distance."""
+
     slot = Slot.RANGE
     cause = "clock of the timing circuits, missing calibration"
     excitation = "near and far walls"

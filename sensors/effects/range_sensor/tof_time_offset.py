@@ -5,6 +5,8 @@ from configs.effects.parameter import Delay
 
 
 class TofTimeOffset(Effect):
+    """The ranges in the log are old by a constant time."""
+
     slot = Slot.RANGE_DELAY
     cause = "timing budget and buffering of the sensor"
     excitation = "fast motion towards and past walls"

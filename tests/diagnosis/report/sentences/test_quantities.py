@@ -11,7 +11,8 @@ from scipy.stats import norm
 from diagnosis.predictors.base import Covariate, CovariateShape
 from diagnosis.report.plots.gain import noise_alone
 from diagnosis.report.plots.panels import residual_panel
-from diagnosis.report.sentences.quantities import axis, confidence, covariate_axis, percent, with_error
+from diagnosis.report.sentences.quantities import axis, confidence, covariate_axis, meaning, percent, with_error
+from physics.effects.encoders.encoder_missed_ticks import EncoderMissedTicks
 
 
 @pytest.mark.parametrize(
@@ -29,6 +30,10 @@ from diagnosis.report.sentences.quantities import axis, confidence, covariate_ax
 )
 def test_a_value_has_as_many_digits_as_its_error_leaves(value, error, text):
     assert with_error(value, error) == text
+
+
+def test_the_meaning_of_an_effect_is_that_of_its_first_number_and_not_of_its_side():
+    assert meaning(EncoderMissedTicks).startswith("Fraction of its ticks that this side loses")
 
 
 def test_nothing_is_certain():
