@@ -49,6 +49,8 @@ from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 @dataclass(frozen=True)
 class PlannedRoute:
+    """A route of a scenario, with its number of runs."""
+
     name: str
     runs: int
 
@@ -144,14 +146,20 @@ class LoadedSection:
 
 
 class ArenaAlone(Section):
+    """A document with nothing but an arena."""
+
     arena: ArenaConfig
 
 
 class RobotAlone(Section):
+    """A document with nothing but a robot."""
+
     robot: RobotConfig
 
 
 class LookAlone(Section):
+    """A document with nothing but a look."""
+
     look: LookConfig
 
 

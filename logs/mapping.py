@@ -121,6 +121,8 @@ class Source(Section):
 
 
 class LogMapping(Section):
+    """Content of a mapping file."""
+
     kind: str
     """Kind of the log, such as `drive_log` or `trajectory`."""
     header: Annotated[tuple[str, ...], FromList] = ()

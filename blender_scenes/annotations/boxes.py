@@ -23,6 +23,8 @@ _DECIMALS = 9
 
 @dataclass(frozen=True)
 class Box2D:
+    """An object that is visible in an image."""
+
     bbox: PixelBox
     """Box around the visible part."""
     area: int

@@ -24,7 +24,10 @@ class ObjectRecord:
 
 @dataclass(frozen=True)
 class FrameRecord:
+    """All boxes and key points of one image, which are stored beside it until the dataset is assembled."""
+
     things: tuple[ObjectRecord, ...]
+    """Walls and obstacles."""
     key_points: tuple[KeyPointSighting, ...]
 
     def to_json(self) -> bytes:

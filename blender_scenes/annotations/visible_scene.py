@@ -51,6 +51,8 @@ class Passes:
 
 @dataclass(frozen=True)
 class VisibleScene:
+    """What each pixel of one image shows, computed from the passes of the renderer; all arrays are (H, W, ...)."""
+
     job: AnnotationJob
     view: FrameView
     following: FrameView | None

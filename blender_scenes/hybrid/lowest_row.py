@@ -18,6 +18,8 @@ _NEAREST_M = 1e-3
 
 
 class EdgesInSight:
+    """Edges of all meshes of a scene, of which a view shows some."""
+
     def __init__(
         self, camera: Intrinsics, standing: Sequence[Mesh], moving: Sequence[Mesh], on_robot: Sequence[Mesh] = ()
     ) -> None:

@@ -8,6 +8,8 @@ from blender_scenes.scene.shading import Surface
 
 @dataclass(frozen=True)
 class Lights:
+    """Lights that one kind of light adds to a scene, with their bodies and the surfaces of these."""
+
     panels: tuple[LightPanel, ...] = ()
     suns: tuple[Sun, ...] = ()
     skies: tuple[Sky, ...] = ()

@@ -20,12 +20,16 @@ _LIFT_PX = 1.5
 
 @dataclass(frozen=True)
 class SunShadow:
+    """Shadow map of the sun: the depths of the scene as the sun sees it."""
+
     camera: Intrinsics
+    """Camera that looks along the rays of the sun from so far away that they are nearly parallel."""
     X_WC: Array
     """(4, 4) pose of the sun's camera."""
     depth_m: Array
     """(S, S) depths of the nearest surfaces."""
     lift_m: float
+    """Distance above a surface at which its points are looked up, so that it does not shade itself [m]."""
 
     @classmethod
     def from_scene(cls, sun: Sun, scene: Triangles) -> "SunShadow":

@@ -12,6 +12,8 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class Triangles:
+    """T triangles, each with the surface that it shows."""
+
     corners: Array
     """(T, 3, 3), x, y, z [m] of each corner."""
     uv_m: Array

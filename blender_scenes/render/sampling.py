@@ -54,6 +54,8 @@ class TracingSettings:
 
 @dataclass(frozen=True)
 class QualitySettings:
+    """Settings of Cycles for one value of `render.quality`."""
+
     samples: int
     """Light paths per pixel of an image of 640 x 480."""
     prefilter: str

@@ -49,15 +49,20 @@ class Furnishing:
 
 @dataclass(frozen=True)
 class RoomModel:
+    """A furnished room around the arena, in W."""
+
     low: Point2
     """South-west corner of the floor [m]."""
     high: Point2
+    """North-east corner of the floor [m]."""
     height_m: float
     wall_depth_m: float
     window: Opening
+    """Opening through which daylight comes in."""
     meshes: tuple[Mesh, ...]
     """All meshes of the room but the floor."""
     surfaces: tuple[Surface, ...]
+    """Surfaces that the meshes name."""
     tops: tuple[Top, ...] = ()
     """Tops of the tables, in the order of their numbers."""
     furniture: tuple[Furnishing, ...] = ()

@@ -35,12 +35,16 @@ class Expression:
 
 @dataclass(frozen=True)
 class Constant(Expression):
+    """The same number everywhere."""
+
     value: float
     kind: Literal["number"] = "number"
 
 
 @dataclass(frozen=True)
 class Color(Expression):
+    """The same colour everywhere, linear RGB."""
+
     rgb: RGB
     kind: Literal["color"] = "color"
 
@@ -121,6 +125,8 @@ class ImageTexture(Expression):
 
 @dataclass(frozen=True)
 class Arithmetic(Expression):
+    """An operation on two expressions at each point."""
+
     operation: Literal["add", "subtract", "multiply", "maximum", "sine"]
     a: "Texture"
     b: "Texture" = Constant(0.0)

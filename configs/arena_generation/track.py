@@ -14,6 +14,8 @@ from symolo.core.geometry.poses import PlanarPose
 
 @dataclass(frozen=True)
 class Segment:
+    """A straight or an arc of a line, by length and curvature."""
+
     length_m: float
     curvature_1_m: float
     """Curvature, positive to the left, 0 for a straight."""

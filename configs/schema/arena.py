@@ -19,6 +19,8 @@ class _Piece(Section):
 
 
 class StraightPiece(_Piece):
+    """A straight piece of the line."""
+
     kind: Literal["straight"]
     """Kind of the piece: a straight from `start` to `end`."""
     start: Point2
@@ -28,6 +30,8 @@ class StraightPiece(_Piece):
 
 
 class ArcPiece(_Piece):
+    """A piece of the line that is an arc."""
+
     kind: Literal["arc"]
     """Kind of the piece: an arc about `center`."""
     center: Point2

@@ -17,6 +17,8 @@ Mask = NDArray[np.bool_]
 
 
 class Role(TextEnum):
+    """Part that a channel has in a comparison."""
+
     INPUT = "input"
     """Quantity that was set or is known, such as a voltage or a distance; a prediction is computed from it."""
     READING = "reading"

@@ -48,7 +48,10 @@ class EffectSignature:
 
 @dataclass(frozen=True)
 class Signatures:
+    """Signatures of all testable effects in one measurement."""
+
     quantities: tuple[str, ...]
+    """Names of the observed quantities, in the order of `EffectSignature.moves`."""
     rows: tuple[EffectSignature, ...]
     """Signatures, the most visible first."""
     alike: tuple[tuple[str, str, float], ...]

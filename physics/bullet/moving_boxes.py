@@ -19,6 +19,8 @@ _BLOCK_STEPS = 500
 
 
 class MovingBoxes:
+    """The moving obstacles of one PyBullet client."""
+
     def __init__(self, client: int, paths: Sequence[tuple[int, float, ObstacleMotion]], physics_hz: int) -> None:
         """Take over bodies, each given by its id, the height of its middle [m] and its path."""
         self._client = client

@@ -22,6 +22,8 @@ REST_RAD_S = 1e-4
 
 
 class WheelsWithEffects:
+    """State of effects that act on both wheels of a robot in PyBullet, from step to step."""
+
     def __init__(self, model: RobotModel, physics_hz: int, rng: np.random.Generator) -> None:
         model.require_rigid_gears("PyBullet")
         self._driveline = Driveline.of_robot(model)

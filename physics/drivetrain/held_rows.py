@@ -38,6 +38,8 @@ class HeldPart(NamedTuple):
 
 
 class HeldRow(NamedTuple):
+    """Voltages at the motors during one row; all broadcast, wheels along the last axis."""
+
     parts: tuple[HeldPart, ...]
     """Parts of the row: one, or two if a delayed command takes effect within the row."""
     last_V: Array

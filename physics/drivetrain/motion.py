@@ -9,6 +9,10 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class ShaftMotion:
+    """Direction, speed and history of a shaft, on which its friction depends; arrays have the wheels as their last
+    axis.
+    """
+
     direction: Array
     """Direction of the motion, at rest of the torque that would start it: -1, 0 or +1."""
     speed_rad_s: Array

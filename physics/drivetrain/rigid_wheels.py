@@ -38,6 +38,8 @@ Loads = tuple[Array, Array]
 
 
 class RigidWheels:
+    """Exact steps of all wheels of one or of many robots, under constant voltages."""
+
     def __init__(
         self,
         driveline: Driveline,

@@ -19,6 +19,8 @@ At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms 
 
 
 class ShaftState(NamedTuple):
+    """Speeds and angles of both sides of a gearbox."""
+
     sides: TwoMass
     angle_rad: Array
     """Angle of the motor side since the start; 0 if no effect depends on it."""
@@ -31,6 +33,8 @@ class ShaftState(NamedTuple):
 
 
 class Shaft(Protocol):
+    """A gearbox with or without play."""
+
     def moved(self, part: HeldPart, state: ShaftState) -> ShaftState:
         """Return the state after a period."""
         ...

@@ -13,6 +13,8 @@ MIN_DAMPING_N_M_S_RAD = 1e-12
 
 @dataclass(frozen=True)
 class TwoMass:
+    """Speeds of both sides of a gearbox and their relative angle; arrays of the same shape."""
+
     motor_rad_s: Array
     """Speed of the motor side, as at the wheel shaft."""
     load_rad_s: Array

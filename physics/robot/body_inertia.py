@@ -19,6 +19,8 @@ CREEP_M_S = 1e-3
 
 @dataclass(frozen=True)
 class BodyOnWheels:
+    """The robot's body as its wheels feel it, with the wheel angles as generalised coordinates."""
+
     to_twist: Array
     """(2, 2): forward speed [m/s] and yaw rate [rad/s] from wheel speeds, right and left [rad/s]."""
     wheel_inertia_kg_m2: Array
@@ -26,7 +28,9 @@ class BodyOnWheels:
     moment_kg_m: float
     """Mass times its distance in front of the axle."""
     caster_force_N: float
+    """Coulomb friction between caster and floor."""
     caster_x_m: float
+    """Position of the caster ahead of the axle."""
 
     @classmethod
     def from_model(cls, model: RobotModel) -> "BodyOnWheels":

@@ -20,11 +20,16 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class BoxShape:
+    """A box with its middle at the origin of its frame."""
+
     size_m: Vector
+    """Edges along x, y and z."""
 
 
 @dataclass(frozen=True)
 class SphereShape:
+    """A sphere with its middle at the origin of its frame."""
+
     radius_m: float
 
 

@@ -49,6 +49,8 @@ class UrdfShape:
 
 @dataclass(frozen=True)
 class UrdfLink:
+    """A rigid body of the file."""
+
     name: str
     X_root: Array
     """(4, 4), pose of its frame in that of the root."""
@@ -61,8 +63,11 @@ class UrdfLink:
 
 @dataclass(frozen=True)
 class UrdfJoint:
+    """A joint between two bodies of the file."""
+
     name: str
     kind: str
+    """Type in the file, such as `continuous` or `fixed`."""
     parent: str
     child: str
     axis: Array
@@ -74,6 +79,8 @@ class UrdfJoint:
 
 @dataclass(frozen=True)
 class UrdfTree:
+    """The whole file: bodies and joints by name, and settings of plug-ins."""
+
     name: str
     links: dict[str, UrdfLink]
     joints: tuple[UrdfJoint, ...]

@@ -7,6 +7,8 @@ from configs.schema.robot import Drive
 
 @dataclass(frozen=True)
 class WheelGeometry:
+    """Radii and track of one robot, or arrays of them for many robots."""
+
     right_radius_m: float
     """Rolling radius of the right wheel."""
     left_radius_m: float

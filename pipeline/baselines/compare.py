@@ -26,6 +26,8 @@ class MethodResult:
 
 @dataclass(frozen=True)
 class BaselineComparison:
+    """Estimates of all methods in all runs, with their errors and the conditions under which they were made."""
+
     methods: tuple[Estimator, ...]
     runs: tuple[TrueRun, ...]
     results: Mapping[tuple[str, str], MethodResult]

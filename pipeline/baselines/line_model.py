@@ -12,6 +12,8 @@ WRONG = 0.02
 
 
 class LineModel:
+    """Likelihood of the readings of the line sensor at any pose, by the line of the map."""
+
     def __init__(self, knowledge: RobotKnowledge) -> None:
         self._row = knowledge.drawing.line
         self._line = knowledge.map.line

@@ -56,6 +56,10 @@ class _Rays:
 
 
 class RangeModel:
+    """Expected readings of the three ToF sensors at any pose, and their standard deviations, by walls and obstacles of
+    the map.
+    """
+
     def __init__(self, knowledge: RobotKnowledge, rays: int) -> None:
         """Return the model with that number of rays for each sensor."""
         drawing = knowledge.drawing

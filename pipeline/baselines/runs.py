@@ -56,6 +56,8 @@ class TrueRun:
 
 @dataclass(frozen=True)
 class LoggedRun:
+    """The tables of one run: its true poses, the readings that methods may use, and the specification of its robot."""
+
     name: str
     spec: RunSpec
     rows: Rows

@@ -18,6 +18,8 @@ _NONE = "none"
 
 
 class SplitsAlone(Section):
+    """A file or text with nothing but splits."""
+
     splits: Splits
 
 

@@ -26,6 +26,8 @@ MAX_PARTS = 100_000
 
 @dataclass(frozen=True)
 class PartOfWork(Executor):
+    """An executor that does every unit of one of n parts, and leaves the other parts to other jobs."""
+
     does_all = False
 
     number: int

@@ -11,6 +11,8 @@ if TYPE_CHECKING:  # the methods need packages that the schema of the results do
 
 
 class ErrorsPart(JsonPart):
+    """Errors of one method in one run."""
+
     run: str
     """Name of the run, such as CW/test_1."""
     method: str

@@ -22,6 +22,8 @@ _VERDICTS: dict[Verdict, VerdictName] = {
 
 
 class ComparedFile(JsonPart):
+    """Result of the comparison of one file that is in both folders."""
+
     name: str
     """Path in both folders."""
     verdict: VerdictName
@@ -44,6 +46,8 @@ class ComparedFile(JsonPart):
 
 
 class SettingPair(JsonPart):
+    """A setting of the scenario that differs between both datasets."""
+
     setting: str
     """Path in the scenario."""
     a: str

@@ -5,6 +5,8 @@ from pipeline.json_results.base import JsonPart, JsonResult
 
 
 class CheckPart(JsonPart):
+    """Result of one check of the machine."""
+
     name: str
     """What was checked."""
     ok: bool

@@ -7,6 +7,8 @@ from symolo.exporters.export import PlannedFormat
 
 
 class ExportedFormatPart(JsonPart):
+    """Size of the files of one format."""
+
     format: str
     """Name of the format, which is also that of its folder."""
     files: int

@@ -5,6 +5,8 @@ from pipeline.json_results.base import JsonPart, JsonResult
 
 
 class TrialPart(JsonPart):
+    """Rows and times of one trial of the measurement."""
+
     name: str
     """Name of the trial."""
     rows: int
@@ -28,6 +30,8 @@ class TrialPart(JsonPart):
 
 
 class NoisePart(JsonPart):
+    """Noise of one channel, estimated from its readings."""
+
     text: str
     """The noise as the command prints it without --json."""
     sd: float | None
@@ -41,6 +45,8 @@ class NoisePart(JsonPart):
 
 
 class ChannelPart(JsonPart):
+    """One measured quantity: how many rows have it, how good they are, and its range of values."""
+
     name: str
     """Name of the channel, with its unit."""
     unit: str

@@ -6,6 +6,8 @@ from pipeline.planning.price import Price
 
 
 class PlannedRunPart(JsonPart):
+    """Size of one run of a scenario that is planned."""
+
     run: str
     """Name of the run, such as CW/test_1; of a further camera with the name of the camera, such as CW/test_1 rear."""
     duration_s: float
@@ -44,6 +46,8 @@ class PlannedRunPart(JsonPart):
 
 
 class PricePart(JsonPart):
+    """Time and size of all planned runs on one device, extrapolated from a measurement."""
+
     device: str
     """Device that rendered: CPU, or a kind of graphics card."""
     measured_images: int

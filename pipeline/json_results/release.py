@@ -9,6 +9,8 @@ from pipeline.run_folder.status_text import reasons_of
 
 
 class LostPart(JsonPart):
+    """Parts of the present dataset that a release with --replace would remove."""
+
     runs: list[str]
     """Released runs that would be removed or measured again."""
     images: int

@@ -6,6 +6,8 @@ from pipeline.run_folder.status_text import reasons_of
 
 
 class StagePart(JsonPart):
+    """State of one stage of a run."""
+
     stage: str
     """simulate, render, annotate or release."""
     text: str
@@ -15,6 +17,8 @@ class StagePart(JsonPart):
 
 
 class RunPart(JsonPart):
+    """State of one run."""
+
     run: str
     """Name of the run, such as CW/test_1."""
     done: bool
@@ -31,6 +35,8 @@ class RunPart(JsonPart):
 
 
 class CostPart(JsonPart):
+    """Time that the images of the folder took, compared with the plan."""
+
     images: int
     """Number of images that were rendered."""
     core_s: float

@@ -8,6 +8,8 @@ from symolo.verification.findings import Finding
 
 
 class FaultPart(JsonPart):
+    """A fault of the dataset, in one of its files."""
+
     file: str
     """Path in the dataset."""
     what: str
@@ -19,6 +21,8 @@ class FaultPart(JsonPart):
 
 
 class SignaturePart(JsonPart):
+    """The valid signature of the dataset."""
+
     key: str
     """Name of the key that signed the dataset."""
     comment: str
@@ -26,6 +30,8 @@ class SignaturePart(JsonPart):
 
 
 class ReproducedPart(JsonPart):
+    """Result of rendering a random choice of images again (`--reproduce`)."""
+
     seed: int
     """Seed of the random choice of images."""
     images: int

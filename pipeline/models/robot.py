@@ -62,6 +62,8 @@ class Lens:
 
 @dataclass(frozen=True)
 class RobotParts:
+    """A robot as model files describe it: bodies, visual shapes, frames and cameras."""
+
     config: RobotConfig
     links: tuple[RobotLink, ...]
     visuals: dict[str, tuple[Visual, ...]]
@@ -74,6 +76,7 @@ class RobotParts:
     further_lenses: dict[str, Lens]
     """The further cameras by name."""
     control_hz: int
+    """Rate of the controller [Hz]."""
 
     @classmethod
     def from_spec(cls, spec: RunSpec) -> "RobotParts":

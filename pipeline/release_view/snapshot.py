@@ -20,6 +20,8 @@ RATE_WINDOW_S = 120.0
 
 @dataclass(frozen=True)
 class RenderedImage:
+    """An image that is finished."""
+
     run: str
     number: int
     path: Path
@@ -29,6 +31,8 @@ class RenderedImage:
 
 @dataclass(frozen=True)
 class RunProgress:
+    """Progress of the images of one run."""
+
     run: str
     planned: int
     """Number of images that the run will have."""
@@ -41,6 +45,8 @@ class RunProgress:
 
 @dataclass(frozen=True)
 class Snapshot:
+    """Progress of all runs of an output folder at one moment."""
+
     runs: tuple[RunProgress, ...]
     """The runs with a trajectory by name."""
     working: bool

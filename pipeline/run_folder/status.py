@@ -70,6 +70,8 @@ class RunStatus:
 
 @dataclass(frozen=True)
 class ReleaseStatus:
+    """State of the released dataset in an output folder."""
+
     missing_lists: tuple[str, ...]
     """Lists of checksums that are missing, so that the release is not finished."""
     faults: int | None = None

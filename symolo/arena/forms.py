@@ -1,4 +1,7 @@
-"""Attributes that the geometry needs of an arena, which may be a configuration or a document."""
+"""Attributes that the geometry needs of an arena, which may be a configuration or a document.
+
+`symolo.dataset.documents.run_document` explains the attributes.
+"""
 
 from collections.abc import Sequence
 from typing import Literal, Protocol
@@ -7,6 +10,8 @@ Point2 = tuple[float, float]
 
 
 class StraightForm(Protocol):
+    """A straight piece of a line."""
+
     kind: Literal["straight"]
     start: Point2
     end: Point2
@@ -14,6 +19,8 @@ class StraightForm(Protocol):
 
 
 class ArcForm(Protocol):
+    """A piece of a line that is an arc."""
+
     kind: Literal["arc"]
     center: Point2
     radius_m: float
@@ -23,6 +30,8 @@ class ArcForm(Protocol):
 
 
 class LineForm(Protocol):
+    """The line on the floor, piece by piece."""
+
     width_m: float
     reflectance: float
 
@@ -31,11 +40,15 @@ class LineForm(Protocol):
 
 
 class FloorForm(Protocol):
+    """A square floor around the origin of W."""
+
     half_extent_m: float
     reflectance: float
 
 
 class WallForm(Protocol):
+    """An upright wall between two points of the floor."""
+
     name: str
     start: Point2
     end: Point2
@@ -47,12 +60,16 @@ class WallForm(Protocol):
 
 
 class WaypointForm(Protocol):
+    """A place of a moving obstacle at one time."""
+
     t_s: float
     offset: Point2
     turn_deg: float
 
 
 class MotionForm(Protocol):
+    """The path of a moving obstacle."""
+
     repeat: Literal["once", "loop", "back_and_forth"]
 
     @property
@@ -60,10 +77,14 @@ class MotionForm(Protocol):
 
 
 class MeshForm(Protocol):
+    """The triangles of an obstacle that is no box."""
+
     packed: str
 
 
 class ObstacleForm(Protocol):
+    """A box or another body on the floor."""
+
     name: str
     center: Point2
     size: tuple[float, float, float]
@@ -80,6 +101,8 @@ class ObstacleForm(Protocol):
 
 
 class ArenaForm(Protocol):
+    """Floor, line, walls and obstacles."""
+
     name: str
 
     @property

@@ -28,6 +28,8 @@ _CHUNK_BYTES = 1 << 20
 
 
 class Verdict(TextEnum):
+    """Result of the comparison of one file."""
+
     IDENTICAL = "identical"
     CLOSE = "equal within"
     """Other bytes, with values that are equal within the tolerance."""

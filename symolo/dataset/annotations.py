@@ -118,26 +118,35 @@ class KeyPointSighting:
 
 @dataclass(frozen=True)
 class CategoryEntry:
+    """A class of objects, such as walls."""
+
     id: int
     name: str
 
 
 @dataclass(frozen=True)
 class InstanceEntry:
+    """One object of the run."""
+
     id: int
     name: str
     category_id: int
     moves: bool
+    """Whether it moves during the run."""
 
 
 @dataclass(frozen=True)
 class ImageEntry:
+    """One image of the run, with the time and the pose of its camera."""
+
     id: int
     file_name: str
     width: int
     height: int
     t_s: float
+    """Time since the start of the run [s]."""
     X_WC: Matrix4
+    """(4, 4), pose of the camera in W."""
 
 
 @dataclass(frozen=True)

@@ -63,10 +63,14 @@ class _Section(BaseModel):
 
 
 class Author(_Section):
+    """A person or an organisation that made the dataset."""
+
     family: Line
     """Family name, or the whole name of an organisation."""
     given: Line | None = None
+    """Given names of a person."""
     orcid: Orcid | None = None
+    """ORCID identifier of a person, such as 0000-0002-1825-0097."""
     affiliation: Line | None = None
 
     @property
@@ -79,6 +83,8 @@ class Author(_Section):
 
 
 class About(_Section):
+    """The facts of one publication, which are the content of the YAML file."""
+
     title: Line
     authors: Annotated[tuple[Author, ...], _FROM_LIST, Field(min_length=1)]
     published: Annotated[str, Field(pattern=r"^\d{4}-\d{2}-\d{2}$"), AfterValidator(_calendar)]

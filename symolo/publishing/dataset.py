@@ -24,10 +24,14 @@ class PackedFile:
 
 @dataclass(frozen=True)
 class Published:
+    """A dataset together with the facts and the files of its publication."""
+
     about: About
     metadata: Metadata
     tables: tuple[tuple[PlannedTable, PackedFile], ...]
+    """Tables of all runs, with the files that hold them."""
     shards: tuple[PackedFile, ...]
+    """Archives with the files of the dataset."""
 
     @property
     def name(self) -> str:

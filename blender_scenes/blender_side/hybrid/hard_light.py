@@ -50,6 +50,8 @@ class HardLight:
 
 
 class HardLightTracer:
+    """Tracer of the light of the sun and of small lamps in one scene, image by image."""
+
     def __init__(
         self,
         scene: Scene,

@@ -19,6 +19,8 @@ class _Joint:
 
 
 class MaterialJoints:
+    """Joints of the floor's materials, whose width can be adapted to the size of a texel."""
+
     def __init__(self, materials: Iterable[bpy.types.Material]) -> None:
         """Take all joints of some materials, which from now on have the width that `fit` gives them."""
         trees = [material.node_tree for material in materials]

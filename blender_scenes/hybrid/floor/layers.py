@@ -19,6 +19,8 @@ _BORDER = 1e-3
 
 
 class FloorLayers:
+    """Line and sheets on the floor, in their order from the top downwards."""
+
     def __init__(self, meshes: Sequence[Mesh], turn_rad: float) -> None:
         """Take the mesh named "floor" and those of the line upon it, as the scene has them.
 

@@ -56,6 +56,8 @@ def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
 
 
 class FloorSight:
+    """Points of the floor, relative to the robot, that the pixels of its camera see."""
+
     def __init__(self, camera: Intrinsics, view: FrameView, row_share: float) -> None:
         """Take a camera without distortion, a view for its pose on the robot, and `row_share` of `shutter.Window`."""
         self._camera, self._row_share = camera, row_share

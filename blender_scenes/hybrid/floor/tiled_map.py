@@ -43,9 +43,12 @@ Unpack = Callable[[FloatImage], FloatImage]
 
 @dataclass(frozen=True)
 class Tiling:
+    """Division of a plane into square tiles on several levels of resolution."""
+
     texel_m: float
     """Size of a texel on level 0; it doubles from level to level."""
     levels: int
+    """Number of levels."""
     core: int
     """Number of texels along a side of a tile without its margin."""
     margin: int = 0
@@ -89,6 +92,8 @@ class MapPatch:
 
 
 class TiledMap:
+    """A map whose tiles are made when they are first looked up; a full one drops tiles that were not used lately."""
+
     def __init__(self, tiling: Tiling, make: Make, max_bytes: int, unpack: Unpack = np.asarray) -> None:
         """Keep tiles as 16-bit floats, up to so many bytes; `unpack` makes from them the values of a patch."""
         self.tiling = tiling

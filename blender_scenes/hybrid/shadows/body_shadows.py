@@ -27,6 +27,8 @@ _SPARE_TEXELS = 3
 
 
 class BodyShadows:
+    """Shadows of the robot and of moving obstacles in one small light."""
+
     def __init__(self, light: SmallLight, on_robot: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
         """Take a light above all of the meshes of the robot and of moving obstacles, which are in their frames."""
         self._light = light

@@ -86,6 +86,8 @@ class _Seen:
 
 
 class ShadowGuide:
+    """Prediction of the shadows of the robot and of moving obstacles on the floor of one scene, view by view."""
+
     def __init__(self, scene: Scene, sight: FloorSight) -> None:
         self._sight, self._panels, self._pixel_m = sight, scene.panels, sight.pixel_m()[0]
         robot, moving = casting_meshes(scene)

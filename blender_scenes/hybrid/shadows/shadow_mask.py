@@ -23,9 +23,12 @@ _MAX_PX = 1e6
 
 @dataclass(frozen=True)
 class ShadowMask:
+    """Map of a rectangle of the floor, with the share of the light that reaches each texel."""
+
     low: Array
     """(2,), lower left corner [m]."""
     texel_m: float
+    """Size of a texel [m]."""
     share: FloatImage
     """(h, w) or (h, w, 3), share of the light that passes; rows along y."""
 

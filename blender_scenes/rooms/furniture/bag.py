@@ -15,7 +15,10 @@ _STRAP_M = 0.011
 
 @dataclass(frozen=True)
 class Bag:
+    """Dimensions and colours of a backpack."""
+
     size_m: tuple[float, float, float]
+    """Width, depth and height."""
     cloth: Paint
     pocket: Paint
 

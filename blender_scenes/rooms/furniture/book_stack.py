@@ -16,6 +16,8 @@ _COVER_M = 0.002
 
 @dataclass(frozen=True)
 class Book:
+    """Dimensions, place and colour of a book that lies flat."""
+
     size_m: tuple[float, float, float]
     """Width, height of the page, and thickness."""
     pose: tuple[float, float, float]
@@ -25,6 +27,8 @@ class Book:
 
 @dataclass(frozen=True)
 class BookStack:
+    """Books that lie on each other."""
+
     books: tuple[Book, ...]
     """Books from the lowest to the highest."""
 

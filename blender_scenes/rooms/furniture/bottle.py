@@ -13,6 +13,8 @@ from configs.schema.appearance.paint import Paint
 
 @dataclass(frozen=True)
 class Bottle:
+    """Dimensions and colours of a bottle."""
+
     radius_m: float
     height_m: float
     """Height with the cap."""

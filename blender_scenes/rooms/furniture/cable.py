@@ -16,12 +16,15 @@ _SOCKETS = 3
 
 @dataclass(frozen=True)
 class Cable:
+    """Shape and colour of a cable."""
+
     length_m: float
     """Straight distance from end to end."""
     radius_m: float
     waves_m: tuple[float, ...]
     """Amplitudes [m] of one, two, three ... half waves to the side."""
     white: bool
+    """Whether cable and power strip are white; otherwise they are black."""
 
 
 def cable(name: str, spec: Cable) -> Piece:

@@ -15,7 +15,10 @@ _TAPE_M = 0.05
 
 @dataclass(frozen=True)
 class Carton:
+    """Dimensions and colour of a cardboard box."""
+
     size_m: tuple[float, float, float]
+    """Length, width and height."""
     board: Paint
     tape_drop_m: float
     """Length of the packing tape on both ends, from the top edge down."""

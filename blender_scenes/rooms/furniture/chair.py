@@ -17,6 +17,8 @@ _FOOT_M = 0.02
 
 @dataclass(frozen=True)
 class Chair:
+    """Dimensions and colours of a chair."""
+
     width_m: float
     depth_m: float
     seat_height_m: float

@@ -18,6 +18,8 @@ _PROUD_M = 0.03
 
 @dataclass(frozen=True)
 class Door:
+    """Dimensions and colours of a door."""
+
     width_m: float
     """Width of the leaf."""
     height_m: float

@@ -18,7 +18,10 @@ _HUB_M = 0.09
 
 @dataclass(frozen=True)
 class OfficeChair:
+    """Dimensions, angle and colour of a swivel chair."""
+
     base_radius_m: float
+    """Radius of the star with the castors."""
     seat_height_m: float
     seat_width_m: float
     turn_rad: float

@@ -18,6 +18,8 @@ MIN_SILL_M = 0.45
 
 @dataclass(frozen=True)
 class Radiator:
+    """Dimensions and place of a radiator."""
+
     length_m: float
     height_m: float
     lift_m: float

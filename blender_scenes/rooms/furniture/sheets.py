@@ -17,6 +17,8 @@ _THICKNESS_M = 0.0004
 
 @dataclass(frozen=True)
 class Sheets:
+    """Places and colour of sheets of paper."""
+
     poses: tuple[tuple[float, float, float], ...]
     """Poses of the sheets, x [m], y [m], yaw [rad], from the lowest to the highest."""
     paper: Paint

@@ -30,6 +30,8 @@ class Item:
 
 @dataclass(frozen=True)
 class Shelf:
+    """Dimensions, colour and content of a shelf."""
+
     size_m: tuple[float, float, float]
     """Width, depth and height."""
     boards: int

@@ -18,9 +18,12 @@ _CAP_M = 0.022
 
 @dataclass(frozen=True)
 class WorkTable:
+    """Dimensions, colours and gloss of a table."""
+
     size_m: tuple[float, float, float]
     """Length, depth and height."""
     leg_m: float
+    """Thickness of a leg."""
     inset_m: float
     """Distance of the legs from the edge of the top."""
     top: Paint

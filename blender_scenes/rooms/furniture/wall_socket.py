@@ -16,6 +16,8 @@ _PITCH_M = 0.071
 
 @dataclass(frozen=True)
 class WallSocket:
+    """Number and height of outlets in a wall."""
+
     count: int
     """Number of outlets side by side."""
     height_m: float

@@ -15,6 +15,8 @@ _WALL_M = 0.003
 
 @dataclass(frozen=True)
 class WasteBin:
+    """Dimensions and colour of a waste-paper bin, which is wider at the rim."""
+
     foot_radius_m: float
     rim_radius_m: float
     height_m: float

@@ -49,25 +49,38 @@ class NominalMotor(Section):
 
 
 class NominalMovingMotor(NominalMotor):
+    """A motor whose speed changes, so that the inertia matters."""
+
     rotor_inertia_kg_m2: PositiveSpread
+    """Moment of inertia that the motor accelerates, at the wheel shaft."""
 
 
 class NominalGearedMotor(NominalMovingMotor):
+    """A motor with a gearbox that may have play, which divides inertia and friction into those of two sides."""
+
     motor_side_inertia_fraction: float = Field(ge=0.01, le=0.99)
+    """Share of the inertia that is on the motor's side of the play."""
     motor_side_friction_fraction: float = Field(ge=0, le=1)
+    """Share of the friction that is on the motor's side of the play."""
 
 
 class NominalRobot(Section):
+    """Geometry of the wheels and resolution of their encoders."""
+
     wheel_radius_m: PositiveSpread
     wheel_separation_m: PositiveSpread
     encoder_ticks_per_revolution: Positive
 
 
 class BenchTof(Section):
+    """A range sensor before one target at a time."""
+
     range_offset_m: Spread
     range_scale: PositiveSpread
     reference_temperature_C: float = Field(ge=-273.15, le=200)
+    """Temperature at which the readings have no error by temperature."""
     resolution_m: NotNegative
+    """Step to which readings are rounded; 0 if they are not."""
     reflectance: dict[str, Annotated[float, Field(gt=0, le=1)]] = Field(min_length=1)
     """Reflectance of each material."""
 
@@ -90,8 +103,11 @@ class Mounts(Section):
 
 
 class DriveTof(Section):
+    """Range sensors on a robot that drives in a room."""
+
     range_offset_m: Spread
     max_range_m: Positive
+    """Distance beyond which the sensors see no target."""
     mount: Mounts
 
 
@@ -110,13 +126,19 @@ class MotorNoise(Section):
 
 
 class StepNoise(MotorNoise):
+    """Noise of motor readings at a constant rate."""
+
     lag1_correlation: float = Field(gt=-1, lt=1)
+    """Correlation of the noise of successive readings."""
 
 
 class RangeNoise(Section):
+    """Standard deviation of range readings as a cubic polynomial of the distance."""
+
     polynomial_mm: Coefficients
     """Coefficients of p0 + p1 x + p2 x^2 + p3 x^3 with x = max(0, distance - origin) in metres."""
     polynomial_origin_m: NotNegative
+    """Distance up to which the standard deviation is constant."""
 
     def sd_m(self, distance_m: Array) -> Array:
         """Return the standard deviation of a reading [m] at these distances, of the same shape."""
@@ -143,6 +165,8 @@ class RangeNoise(Section):
 
 
 class DriveNoise(Section):
+    """Standard deviations of the readings of a drive, and of the slip of its wheels."""
+
     wheel_speed_rad_s: Positive
     """Noise of a mean speed over a row, with the rounding to ticks; correlated over about 0.1 s."""
     pose_xy_m: Positive
@@ -150,6 +174,7 @@ class DriveNoise(Section):
     travel_m_per_sqrt_m: NotNegative
     """Slip: noise of the distance that a wheel travels in a row, over the square root of that distance."""
     tof_polynomial_mm: Coefficients
+    """Coefficients of the noise of ranges, as in `RangeNoise`."""
     tof_polynomial_origin_m: NotNegative
 
     @property
@@ -158,12 +183,16 @@ class DriveNoise(Section):
 
 
 class NominalSteady(Section):
+    """Content of nominal.yaml for a motor bench with steady speeds."""
+
     kind: Literal["motor_steady"]
     motor: NominalMotor
     noise: MotorNoise
 
 
 class NominalStep(Section):
+    """Content of nominal.yaml for a motor bench with steps of voltage."""
+
     kind: Literal["motor_step"]
     motor: NominalGearedMotor
     sample_rate_Hz: Positive
@@ -171,12 +200,16 @@ class NominalStep(Section):
 
 
 class NominalTof(Section):
+    """Content of nominal.yaml for a range bench."""
+
     kind: Literal["tof_bench"]
     tof: BenchTof
     noise: RangeNoise
 
 
 class NominalDrive(Section):
+    """Content of nominal.yaml for the log of a drive."""
+
     kind: Literal["drive_log"]
     motor: NominalMovingMotor | None = None
     """Motors; without them, speeds are not predicted from voltages."""
@@ -201,6 +234,8 @@ class LogNoise(Section):
 
 
 class NominalLog(Section):
+    """Content of nominal.yaml for runs with the columns of data.csv; robot and arena are those of a scenario."""
+
     kind: Literal["symolo_csv"]
     arena: ArenaConfig
     robot: RobotConfig

@@ -22,6 +22,12 @@ YAW_BEFORE, BIAS, PER_K, SCALE = range(STATES, STATES + 4)
 
 
 class GyroFilter(KalmanFilter):
+    """The Kalman filter of wheels and ranges with the turns of a gyroscope.
+
+    Its further states are the heading at the row before [rad], and of the gyroscope the bias [rad/s], the growth of the
+    bias with the temperature [rad/(s K)] and the relative error of the scale.
+    """
+
     def __init__(self, knowledge: RobotKnowledge, imu: ImuLog) -> None:
         errors = imu.errors
         super().__init__(knowledge, np.array([0.0, errors.bias_sd, errors.bias_per_K_sd, errors.scale_sd]))

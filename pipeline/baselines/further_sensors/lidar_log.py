@@ -8,6 +8,8 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class LidarLog:
+    """All scans of one lidar in a run, M scans of the same number of rays."""
+
     t_s: Array
     """(M,), time [s] of the last ray of each scan."""
     ranges_m: Array

@@ -61,6 +61,12 @@ class _Residuals:
 
 
 class ScanFilter:
+    """An extended Kalman filter of pose and wheels that scans correct.
+
+    The last state is the lasting error of the ranges. `predict` moves the state by the travels of the wheels, and
+    `correct` matches a scan with the map.
+    """
+
     def __init__(self, knowledge: RobotKnowledge, log: ScanLog, scan_period_s: float) -> None:
         self._motion = WheelMotion.from_knowledge(knowledge)
         self._scene = RayScene(knowledge.map)

@@ -30,6 +30,8 @@ class MatchedScan:
 
 @dataclass(frozen=True)
 class ScanLog:
+    """The scans of a run, ready to be matched with the map."""
+
     scans: tuple[MatchedScan, ...]
     """Scans in the order of time, at most one for each row."""
     lasting_sd: float

@@ -59,8 +59,12 @@ class ModelDescription(BaseModel):
 
 @dataclass(frozen=True)
 class LocalisationModel:
+    """A network that estimates the pose from the readings of one row, with all that its use needs."""
+
     about: ModelDescription
+    """Inputs, grid, origin of the training data and version, as the file states them."""
     likelihood: PoseLikelihood
+    """Conversion of the heat map of the network into the likelihood of poses."""
     weights: Mapping[str, Array]
     """Parameters of the network by name, each (N,) or (N, K), in the order of the network."""
 

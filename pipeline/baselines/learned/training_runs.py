@@ -31,6 +31,8 @@ VALIDATION_SHARE = 0.2
 
 @dataclass(frozen=True)
 class Training:
+    """A trained model with the runs that trained and validated it."""
+
     model: LocalisationModel
     network: TrainedNetwork
     training: tuple[str, ...]

@@ -205,6 +205,8 @@ class FailedRun(Record):
 
 
 class ColumnRecord(Record):
+    """Name, unit and meaning of a column of a table, or of several numbered columns."""
+
     name: str
     unit: str
     meaning: str = ""

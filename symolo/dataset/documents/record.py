@@ -13,4 +13,6 @@ def parsed_first(content: object) -> object:
 
 
 class Record(BaseModel):
+    """A part of metadata.json; it cannot be changed, and keys that it does not list are refused."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True)

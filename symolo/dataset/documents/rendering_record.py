@@ -44,6 +44,8 @@ class ImageErrorRecord(Record):
 
 
 class RenderingRecord(Record):
+    """How the images of a run were rendered, and how large their error is."""
+
     method: Literal["full", "hybrid"]
     """Method of `render.method` that was used."""
     samples: int | None = Field(default=None, ge=1)

@@ -26,49 +26,77 @@ class SpecSection(BaseModel):
 
 
 class StraightSection(SpecSection):
+    """A straight piece of the line."""
+
     kind: Literal["straight"]
     start: Point2
+    """First point: x, y [m] in W."""
     end: Point2
+    """Last point: x, y [m] in W."""
     joined: bool = False
+    """Whether the piece continues the piece before without a joint."""
 
 
 class ArcSection(SpecSection):
+    """A piece of the line that is an arc."""
+
     kind: Literal["arc"]
     center: Point2
     radius_m: float
     start_deg: float
+    """Direction from the centre to the first point, counter-clockwise from +x."""
     end_deg: float
+    """Direction from the centre to the last point; larger than `start_deg` for an arc to the left."""
     joined: bool = False
+    """Whether the piece continues the piece before without a joint."""
 
 
 class LineSection(SpecSection):
+    """The line on the floor, piece by piece."""
+
     width_m: float
     reflectance: float
+    """Reflectance at the wavelength of the line sensor, 0 to 1."""
     pieces: tuple[Annotated[StraightSection | ArcSection, Field(discriminator="kind")], ...]
 
 
 class FloorSection(SpecSection):
+    """The square floor around the origin of W."""
+
     half_extent_m: float
+    """Half the side of the square."""
     reflectance: float
+    """Reflectance at the wavelength of the line sensor, 0 to 1."""
 
 
 class WallSection(SpecSection):
+    """An upright wall between two points of the floor."""
+
     name: str
     start: Point2
+    """First end: x, y [m] in W."""
     end: Point2
+    """Second end: x, y [m] in W."""
     height_m: float
     thickness_m: float
     surface: str
 
 
 class WaypointSection(SpecSection):
+    """The place of a moving obstacle at one time."""
+
     t_s: float
     offset: Point2
+    """Displacement since t = 0: x, y [m] in W."""
     turn_deg: float
+    """Turn since t = 0, counter-clockwise."""
 
 
 class MotionSection(SpecSection):
+    """The path of a moving obstacle."""
+
     repeat: Literal["once", "loop", "back_and_forth"]
+    """Motion after the last waypoint: none, the path again, or back and forth along it."""
     waypoints: tuple[WaypointSection, ...]
 
 
@@ -78,21 +106,33 @@ def _checked(packed: str) -> str:
 
 
 class MeshSection(SpecSection):
+    """The triangles of an obstacle that is no box."""
+
     packed: Annotated[str, AfterValidator(_checked)]
+    """Text with vertices and faces, which `symolo.arena.mesh.unpacked` reads."""
 
 
 class ObstacleSection(SpecSection):
+    """A box or another body on the floor."""
+
     name: str
     center: Point2
+    """Middle of its footprint at t = 0: x, y [m] in W."""
     size: tuple[float, float, float]
+    """Length, width and height [m]."""
     yaw_deg: float
     surface: str
     motion: MotionSection | None = None
+    """Path of the obstacle; None if it stands still."""
     mesh: MeshSection | None = None
+    """Triangles of the obstacle; None for a box."""
     solid: bool = True
+    """Whether the robot touches it and range sensors see it; otherwise only images show it."""
 
 
 class ArenaSection(SpecSection):
+    """Floor, line, walls and obstacles."""
+
     name: str
     floor: FloorSection
     line: LineSection
@@ -101,26 +141,40 @@ class ArenaSection(SpecSection):
 
 
 class ChassisSection(SpecSection):
+    """Dimensions of the body of the robot."""
+
     length_m: float
     width_m: float
     base_height_m: float
+    """Height of the top of the base plate above the floor."""
 
 
 class DriveSection(SpecSection):
+    """Dimensions of the driven wheels."""
+
     wheel_diameter_m: Positive
     track_m: Positive
+    """Distance between the ground contacts of both wheels."""
 
 
 class EncoderSection(SpecSection):
+    """Resolution of the encoders of both wheels."""
+
     counts_per_revolution: int = Field(gt=0)
 
 
 class LineSensorSection(SpecSection):
+    """Place of the line sensor on the robot."""
+
     x_m: float
+    """Distance ahead of the axle."""
     height_m: float
+    """Height above the floor."""
 
 
 class TofMountSection(SpecSection):
+    """Place and direction of a ToF sensor in R."""
+
     x_m: float
     y_m: float
     z_m: float
@@ -129,20 +183,27 @@ class TofMountSection(SpecSection):
 
 
 class TofMountsSection(SpecSection):
+    """Places and directions of the three ToF sensors."""
+
     front: TofMountSection
     left: TofMountSection
     right: TofMountSection
 
 
 class TofSection(SpecSection):
+    """The three ToF sensors, which are of the same type."""
+
     mounts: TofMountsSection
     field_of_view_deg: float
     min_range_m: float
     max_range_m: float
     no_target_m: float
+    """Range in data.csv of a sensor that reports no target."""
 
 
 class DistortionSection(SpecSection):
+    """Distortion of a lens, the five coefficients of OpenCV."""
+
     k1: float
     k2: float
     p1: float
@@ -151,6 +212,8 @@ class DistortionSection(SpecSection):
 
 
 class FisheyeSection(SpecSection):
+    """A fisheye lens, with the four coefficients of OpenCV's fisheye model."""
+
     field_of_view_deg: Positive
     k1: float
     k2: float
@@ -159,19 +222,28 @@ class FisheyeSection(SpecSection):
 
 
 class CameraSection(SpecSection):
+    """Place, direction, lens and shutter of the camera."""
+
     x_m: float
+    """Distance ahead of the axle."""
     y_m: float
+    """Distance to the left of the middle of the axle."""
     height_above_base_m: float
+    """Height above the top of the base plate."""
     pitch_down_deg: float
     yaw_left_deg: float
     roll_deg: float
     focal_length_mm: Positive
     sensor_width_mm: Positive
     principal_point_right_mm: float
+    """Place of the principal point right of the middle of the sensor."""
     principal_point_down_mm: float
+    """Place of the principal point below the middle of the sensor."""
     distortion: DistortionSection
     fisheye: FisheyeSection | None = None
+    """Fisheye lens; None for a lens with `distortion`."""
     read_out_s: float
+    """Delay of the exposure of the last row after that of the first row; 0 for a global shutter."""
 
 
 class SensorSection(SpecSection):
@@ -198,6 +270,8 @@ def _as_mapping(sensors: object) -> object:
 
 
 class RobotSection(SpecSection):
+    """The description of the robot, without its effects."""
+
     name: str
     chassis: ChassisSection
     drive: DriveSection
@@ -210,41 +284,56 @@ class RobotSection(SpecSection):
 
 
 class ManualExposureSection(SpecSection):
+    """Sensitivity and aperture of a manual exposure."""
+
     iso: float
     f_number: float
 
 
 class LookCameraSection(SpecSection):
+    """Exposure of the images."""
+
     exposure_time_s: float
     manual_exposure: ManualExposureSection | None = None
     """Settings of a manual exposure; None for an automatic one."""
 
 
 class LookSection(SpecSection):
+    """Name of the look, and exposure of its images."""
+
     name: str = ""
     camera: LookCameraSection
 
 
 class RenderSection(SpecSection):
+    """Size of the images, and kinds of their annotations."""
+
     width_px: int = Field(gt=0)
     height_px: int = Field(gt=0)
     annotations: tuple[AnnotationName, ...] = ()
 
 
 class StartSection(SpecSection):
+    """Pose of the robot in W at the start of the run."""
+
     x_m: float
     y_m: float
     yaw_deg: float
 
 
 class RatesSection(SpecSection):
+    """Rates of the simulation, of its controllers and of the camera."""
+
     physics_hz: int
     wheel_loop_hz: int
     control_hz: int
     camera_hz: Rate = Field(ge=0, le=1000)
+    """Rate of the images; 0 for a run without images."""
 
 
 class BoardSection(SpecSection):
+    """The controller board of a run with hardware in the loop."""
+
     kind: str
 
 

@@ -32,27 +32,39 @@ class GyroscopeSection(SpecSection):
 
 
 class ImuSection(SensorSection):
+    """An inertial measurement unit."""
+
     accelerometer: AccelerometerSection = AccelerometerSection()
     gyroscope: GyroscopeSection = GyroscopeSection()
 
 
 class LidarSection(SensorSection):
+    """A lidar that turns, or that has all rays at once."""
+
     sweep_s: float
+    """Time from the first ray of a scan to the first ray of the next turn; 0 if all rays are measured at once."""
     rays: int = Field(gt=0)
     first_ray_deg: float
+    """Direction of the first ray to the left of the x axis of the sensor."""
     ray_step_deg: float
+    """Angle from a ray to the next one, counter-clockwise; below 0 for a head that turns clockwise."""
     min_range_m: float
     max_range_m: float
 
 
 class UltrasonicSection(SensorSection):
+    """An ultrasonic range sensor."""
+
     field_of_view_deg: float
     min_range_m: float
     max_range_m: float
 
 
 class Vl53l0xSection(SensorSection):
+    """A further ToF sensor of the type VL53L0X."""
+
     mode: str
+    """Ranging profile of the data sheet, such as `long_range`."""
     field_of_view_deg: float
 
     @property
@@ -62,5 +74,7 @@ class Vl53l0xSection(SensorSection):
 
 
 class WheelEncoderSection(SensorSection):
+    """A further encoder of a wheel."""
+
     wheel: Literal["right", "left"]
     counts_per_revolution: int = Field(gt=0)

@@ -76,8 +76,12 @@ class HalfScan:
 
 @dataclass(frozen=True)
 class Ball:
+    """A ball in front of the sensor, which stands for the near object of a scan."""
+
     x_mm: float
+    """Place of the middle of the ball along x of the scan."""
     y_mm: float
+    """Place of the middle of the ball along y of the scan."""
     nearest_mm: float
     """Distance from the plane of the sensor to the ball."""
     radius_mm: float

@@ -24,6 +24,8 @@ WRONG = np.geomspace(0.005, 0.6, 25)
 
 @dataclass(frozen=True)
 class Samples:
+    """M readings with the true poses, for training or validation."""
+
     readings: NetworkReadings
     pose: Array
     """(M, 3), true poses at the readings."""
@@ -31,11 +33,16 @@ class Samples:
 
 @dataclass(frozen=True)
 class TrainedNetwork:
+    """The result of a training: the weights that were best in the validation runs, and numbers fitted to these runs."""
+
     weights: dict[str, Array]
+    """Parameters of the network by name."""
     prior: Array
     """(C,), share of the training poses in each cell."""
     temperature: float
+    """Divisor of the network's outputs, fitted to the runs for validation."""
     wrong: float
+    """Share of the readings by which the network errs, fitted to the same runs."""
     epochs: int
     """Number of epochs after which the weights were kept."""
     median_m: float
