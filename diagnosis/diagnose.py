@@ -4,16 +4,13 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
-from diagnosis.case_robot import base_robot_of, checked_against, nominal_of, spreads_of
+from diagnosis.case_robot import base_robot_of, checked_against, nominal_of
 from diagnosis.discovery.law import DiscoveredLaw, Discovery
 from diagnosis.inference.evidence.coupled_wheels import wheel_coupling
 from diagnosis.inference.evidence.early_voltages import EarlyPart, early_part
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
-from diagnosis.inference.evidence.sessions import session_nuisances, within_sessions
 from diagnosis.inference.evidence.whole_runs import with_whole_runs
 from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.hypothesis import CandidateEffect, Hypothesis, moved
@@ -38,20 +35,13 @@ from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.inference.unexplained.unlisted import with_forms
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.predicted_kinds import check_kind
-from diagnosis.predictors import STAGES
-from diagnosis.predictors.base import Stage
+from diagnosis.observations import observations, with_sessions
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
-from diagnosis.together import joint_nuisances, joint_stages
-from symolo.core.errors import InputError
 
 MIN_BETTER = 0.5
 """Fall of the cost by which a rival must explain more to replace an effect."""
-SESSION_ROUNDS = 2
-"""Fits after which the errors of the sessions are where the predictions are linear in them."""
 IN_ANSWER = {"distance_step_m": "previous_distance_m"}
 """Names of covariates in GAP_FORMAT, where they differ."""
-NOISE_ROUNDS = 2
-"""Fits after which an unknown noise has converged; the first guess may be far off."""
 
 
 @dataclass(frozen=True)
@@ -198,38 +188,21 @@ def diagnose(
     base_robot = base_robot_of(measurement, nominal)
     robot = nominal_of(measurement, base_robot)
     measurement = checked_against(measurement, robot)
-    evidence, bare = _observations(measurement, robot, progress)
-    bare = replace(bare, nuisances=(*bare.nuisances, *wheel_coupling(evidence, robot)))
-    bare, session_effects = _with_sessions(measurement, evidence, bare)
-    library = candidates(measurement, evidence, bare)
-    library = replace(library, testable=tuple(e for e in library.testable if e.kind not in session_effects))
+    evidence, bare, library = _prepared(measurement, robot, progress)
     evidence, bare, selection = selected_with_early_voltages(evidence, bare, library.testable)
     progress.begin(Phase.STRUCTURE)
-    result = adequacy(evidence, selection.fit)
-    # Outliers in successive rows favour no effect.
-    if not result.leaves_only_outliers and (better := rescued(evidence, selection, library.testable)) is not None:
-        selection, result = better, adequacy(evidence, better.fit)
-    result = _structures_of(evidence, selection, result)
+    selection, result = _with_structures(evidence, selection, library)
     measured = evidence
     evidence, selection, result, drift = _beside_random_drift(evidence, bare, library, selection, result)
     fit = selection.fit if result.is_adequate else _without_stand_ins(evidence, selection, result)
     progress.begin(Phase.RIVALS)
-    comparisons = [
-        compare_rivals(evidence, fit, effect, library.testable, pairs=selection.pairs, is_whole=not result.has_cause)
-        for effect in fit.hypothesis.effects
-    ]
-    # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
-    if result.leaves_only_outliers:
-        fit, comparisons = _best_named(evidence, fit, comparisons, library.testable, selection.pairs)
+    model = _with_rivals(evidence, selection, fit, result, library)
     progress.begin(Phase.TRANSFER)
     parts = groups(evidence, [trial.name for trial in measurement.trials])
-    model = NamedModel(fit, comparisons, result)
     model, withheld_names = standing(evidence, selection, model, library.testable, parts, measured=measured)
-    fit, comparisons, result = model.fit, model.comparisons, model.result
-    other_sizes = [other_size(evidence, fit, each.effect, library.testable) for each in comparisons]
-    fit = with_shared_rounding(evidence, with_whole_runs(measurement, evidence, fit))
-    alternatives = tuple(_alternatives(measurement, evidence, comparisons))
-    names = {effect.name for effect in fit.hypothesis.effects} | {each.name for each in withheld_names}
+    other_sizes = [other_size(evidence, model.fit, each.effect, library.testable) for each in model.comparisons]
+    fit = with_shared_rounding(evidence, with_whole_runs(measurement, evidence, model.fit))
+    alternatives = tuple(_alternatives(measurement, evidence, model.comparisons))
     progress.begin(Phase.INTERVALS)
     # The memoized fits with their slopes need much memory and are not used again.
     evidence.memo.clear()
@@ -245,16 +218,37 @@ def diagnose(
         fit=fit,
         named=tuple(
             NamedEffect.from_comparison(evidence, selection.nominal, fit, each, other)
-            for each, other in zip(comparisons, other_sizes, strict=True)
+            for each, other in zip(model.comparisons, other_sizes, strict=True)
         ),
         withheld=withheld_names,
-        withdrawn=() if result.is_adequate else tuple(n for n in selection.names if n not in names),
-        adequacy=result,
+        withdrawn=_withdrawn(selection, model, withheld_names),
+        adequacy=model.result,
         gain=gain(measured, robot, fit.robot, (0.0, fit.local_change)),
         calibrated=gain(measured, robot, selection.nominal.robot, (0.0, selection.nominal.local_change)),
         random_drift=drift,
         alternatives=alternatives,
     )
+
+
+def _prepared(
+    measurement: Measurement, robot: RobotConfig, progress: DiagnosisProgress
+) -> tuple[Evidence, Hypothesis, Candidates]:
+    """Return the observations, the hypothesis without effects, and the effects that the data can show."""
+    evidence, bare = observations(measurement, robot, progress)
+    bare = replace(bare, nuisances=(*bare.nuisances, *wheel_coupling(evidence, robot)))
+    bare, session_effects = with_sessions(measurement, evidence, bare)
+    library = candidates(measurement, evidence, bare)
+    testable = tuple(effect for effect in library.testable if effect.kind not in session_effects)
+    return evidence, bare, replace(library, testable=testable)
+
+
+def _with_structures(evidence: Evidence, selection: Selection, library: Candidates) -> tuple[Selection, Adequacy]:
+    """Return the selection, or a better one that a structure of its residuals suggests, and what it leaves."""
+    result = adequacy(evidence, selection.fit)
+    # Outliers in successive rows favour no effect.
+    if not result.leaves_only_outliers and (better := rescued(evidence, selection, library.testable)) is not None:
+        selection, result = better, adequacy(evidence, better.fit)
+    return selection, _structures_of(evidence, selection, result)
 
 
 def _beside_random_drift(
@@ -274,55 +268,27 @@ def _beside_random_drift(
     return without_drift, selection_beside, structures, drift
 
 
-def _observations(
-    measurement: Measurement, robot: RobotConfig, progress: DiagnosisProgress
-) -> tuple[Evidence, Hypothesis]:
-    """Return the observations of all stages, and the hypothesis without effects.
-
-    Raises:
-        InputError: No stage of the simulator predicts such data, or none of the data can be used.
-    """
-    if measurement.cases:
-        stages = joint_stages(measurement, robot)
-        bare = Hypothesis(robot, joint_nuisances(measurement, robot, Evidence(stages)) if stages else ())
-    else:
-        stages = STAGES[measurement.kind](measurement, robot)
-        bare = Hypothesis(robot, spreads_of(measurement, robot))
-    where = measurement.where
-    if not stages:
-        cure = "log voltages and counts, counts and poses, or poses and ranges"
-        raise InputError("no reading that a stage could predict from the logged inputs", where=where, cure=cure)
-    evidence = _evidence(stages, bare, progress)
-    if not evidence.fit.any():
-        raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
-    return evidence, bare
+def _with_rivals(
+    evidence: Evidence, selection: Selection, fit: HypothesisFit, result: Adequacy, library: Candidates
+) -> NamedModel:
+    """Return a fit with the rivals of each of its effects; a rival that explains more replaces its effect."""
+    effects, pairs = library.testable, selection.pairs
+    comparisons = [
+        compare_rivals(evidence, fit, effect, effects, pairs=pairs, is_whole=not result.has_cause)
+        for effect in fit.hypothesis.effects
+    ]
+    # Beside an unexplained structure a rival may win by taking over a part of it, so names are compared only without.
+    if result.leaves_only_outliers:
+        fit, comparisons = _best_named(evidence, fit, comparisons, effects, pairs)
+    return NamedModel(fit, comparisons, result)
 
 
-def _evidence(stages: Sequence[Stage], bare: Hypothesis, progress: DiagnosisProgress | None = None) -> Evidence:
-    """Return the observations with their noise, which is estimated from the nominal model if it is not stated."""
-    evidence = Evidence(stages)
-    if progress is not None:
-        evidence.on_predicted, evidence.on_fits = progress.predicted, progress.fits
-    rounds = NOISE_ROUNDS if evidence.fit.any() else 0
-    for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
-        (fit,) = fits(evidence, [(bare, bare.null())])
-        evidence = with_estimated_noises(evidence, fit)
-    return evidence
-
-
-def _with_sessions(
-    measurement: Measurement, evidence: Evidence, bare: Hypothesis
-) -> tuple[Hypothesis, Collection[type[Effect]]]:
-    """Return a hypothesis with the nuisances of the sessions, linearised where the data have them, and their effects.
-
-    The effects are those that the sessions explain, so that they are none of the robot.
-    """
-    errors, session_effects = session_nuisances(measurement, evidence, bare.nominal), ()
-    for _ in range(SESSION_ROUNDS if errors else 0):
-        hypothesis = replace(bare, nuisances=(*bare.nuisances, *errors))
-        (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
-        errors, session_effects = session_nuisances(measurement, evidence, bare.nominal, fit), within_sessions(fit)
-    return replace(bare, nuisances=(*bare.nuisances, *errors)), session_effects
+def _withdrawn(selection: Selection, model: NamedModel, withheld: Sequence[WithheldName]) -> tuple[str, ...]:
+    """Return the names that were selected and are neither named nor withheld, because structure remains."""
+    if model.result.is_adequate:
+        return ()
+    remaining = {effect.name for effect in model.fit.hypothesis.effects} | {each.name for each in withheld}
+    return tuple(name for name in selection.names if name not in remaining)
 
 
 def _alternatives(

@@ -125,8 +125,7 @@ class Evidence:
 
     def with_rows(self, *, fit: Mask | None = None, heldout: Mask | None = None) -> "Evidence":
         """Return the same evidence with other samples (N,) for the fit or for the gain."""
-        others = copy(self)
-        others.memo = {}
+        others = self._without_results()
         others.fit = self.fit if fit is None else fit
         others.heldout = self.heldout if heldout is None else heldout
         return others
@@ -143,8 +142,7 @@ class Evidence:
 
     def without(self, error: Array) -> "Evidence":
         """Return the same evidence with an error (N,), in the units of the samples, taken out of what was measured."""
-        others = copy(self)
-        others.memo = {}
+        others = self._without_results()
         others.readings = self.readings - error
         others.values = others.compared(others.readings)
         return others
@@ -165,8 +163,7 @@ class Evidence:
 
     def as_measured(self) -> "Evidence":
         """Return the same evidence with the readings themselves, whose noise may be dependent."""
-        others = copy(self)
-        others.memo = {}
+        others = self._without_results()
         others.whitenings = [None] * len(self.observed)
         others.values = others.compared(self.readings)
         return others
@@ -183,8 +180,7 @@ class Evidence:
 
     def beside(self, memory: DriftMemory) -> "Evidence":
         """Return the same evidence beside a random drift: each sample is compared with what others say about it."""
-        others = copy(self)
-        others.memo = {}
+        others = self._without_results()
         others.memory = memory
         others.values, others.sd = others.compared(self.readings), self.sd * memory.wider
         return others
@@ -221,6 +217,12 @@ class Evidence:
         """Return whether the noise of a quantity includes that of voltages which act before they are logged."""
         noise = self.noises.get(observed.name)
         return observed.early is not None and noise is not None and noise.early_share > 0.0
+
+    def _without_results(self) -> "Evidence":
+        """Return a copy, to be changed, without the memoized results, which hold only for this evidence."""
+        others = copy(self)
+        others.memo = {}
+        return others
 
     def _whitening_of(self, observed: Observed) -> Whitening | None:
         if observed.count_noise is None:

@@ -52,50 +52,62 @@ def standing(
         parts: Groups of samples that are left out in turn.
         measured: The observations as they were measured, on which gains are computed.
     """
-    nominal = selection.nominal
     model = _beside_drift(evidence, model)
     withheld_names: list[WithheldName] = []
-    while True:
-        bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
-        name_evidence = [
-            replace(
-                _name_evidence(evidence, nominal, model, comparison, base),
-                contradicted_by=contradiction(each, base.cost - model.fit.cost),
-                gain_at_most=gained.high if gained else None,
-                gain_at_least=gained.low if gained else None,
-            )
-            for comparison, base, each in zip(
-                model.comparisons, bases, supports(evidence, model.fit, bases, parts), strict=True
-            )
-            for gained in [_gain(measured, base, model.fit, comparison.effect)]
-        ]
-        failing = [
-            (each, comparison)
-            for each, comparison in zip(name_evidence, model.comparisons, strict=True)
-            if withheld(each)
-        ]
-        if not failing:
-            return model, tuple(withheld_names)
+    while failing := _failing(evidence, selection.nominal, model, parts, measured):
         # Effects that cancel each other imitate the same thing, so they go together.
-        cancelling = [pair for pair in failing if pair[0].cancelled_by]
-        going = cancelling or [min(failing, key=lambda pair: pair[0].rise)]
-        withheld_names += [WithheldName(each.name, withheld(each)) for each, _ in going]
-        fit = model.fit
-        for _, comparison in going:
-            fit = without(evidence, fit, comparison.effect)
-        left = with_scatter(evidence, fit, with_forms(evidence, nominal, fit, adequacy(evidence, fit)))
-        if left.has_cause and fit.hypothesis.effects:
-            retained = retained_effects(evidence, nominal, fit, left)
-            substitutes = [effect for effect in fit.hypothesis.effects if effect not in retained]
-            withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
-            for effect in substitutes:
-                fit = without(evidence, fit, effect)
-        result = model.result if left.is_adequate else left
+        cancelling = [each for each in failing if each.cancelled_by]
+        going = cancelling or [min(failing, key=lambda each: each.rise)]
+        withheld_names += [WithheldName(each.name, withheld(each)) for each in going]
+        names = {each.name for each in going}
+        removed = [effect for effect in model.fit.hypothesis.effects if effect.name in names]
+        fit, result, substitutes = _remaining(evidence, selection.nominal, model, removed)
+        withheld_names += [WithheldName(effect.name, SUBSTITUTE) for effect in substitutes]
         comparisons = [
             compare_rivals(evidence, fit, effect, effects, pairs=selection.pairs, is_whole=not result.has_cause)
             for effect in fit.hypothesis.effects
         ]
         model = _beside_drift(evidence, NamedModel(fit, comparisons, result))
+    return model, tuple(withheld_names)
+
+
+def _failing(
+    evidence: Evidence, nominal: HypothesisFit, model: NamedModel, parts: Sequence[Group], measured: Evidence
+) -> list[NameEvidence]:
+    """Return what the fits say of those names of a model that do not stand by themselves."""
+    bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
+    support = supports(evidence, model.fit, bases, parts)
+    name_evidence = [
+        replace(
+            _name_evidence(evidence, nominal, model, comparison, base),
+            contradicted_by=contradiction(each, base.cost - model.fit.cost),
+            gain_at_most=gained.high if gained else None,
+            gain_at_least=gained.low if gained else None,
+        )
+        for comparison, base, each in zip(model.comparisons, bases, support, strict=True)
+        for gained in [_gain(measured, base, model.fit, comparison.effect)]
+    ]
+    return [each for each in name_evidence if withheld(each)]
+
+
+def _remaining(
+    evidence: Evidence, nominal: HypothesisFit, model: NamedModel, removed: Sequence[CandidateEffect]
+) -> tuple[HypothesisFit, Adequacy, list[CandidateEffect]]:
+    """Return the fit without some effects, the structure that it leaves, and the effects that go with them.
+
+    These are substitutes for a structure that is unexplained without the removed effects.
+    """
+    fit = model.fit
+    for effect in removed:
+        fit = without(evidence, fit, effect)
+    left = with_scatter(evidence, fit, with_forms(evidence, nominal, fit, adequacy(evidence, fit)))
+    substitutes: list[CandidateEffect] = []
+    if left.has_cause and fit.hypothesis.effects:
+        retained = retained_effects(evidence, nominal, fit, left)
+        substitutes = [effect for effect in fit.hypothesis.effects if effect not in retained]
+        for effect in substitutes:
+            fit = without(evidence, fit, effect)
+    return fit, model.result if left.is_adequate else left, substitutes
 
 
 def _beside_drift(evidence: Evidence, model: NamedModel) -> NamedModel:

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from diagnosis.case_robot import base_robot_of, nominal_of
-from diagnosis.diagnose import STAGES
 from diagnosis.discovery.grammar import forms
 from diagnosis.discovery.places import places
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import CaseKind
+from diagnosis.predictors import STAGES
 from diagnosis.predictors.rows import good_values, rows_after
 from physics.effects.wheels_and_floor.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheels_and_floor.wheelbase_scale import WheelbaseScale

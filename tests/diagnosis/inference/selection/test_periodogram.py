@@ -7,11 +7,11 @@ import pytest
 from scipy.signal import lfilter
 
 from diagnosis.case_robot import base_robot_of, nominal_of, spreads_of
-from diagnosis.diagnose import _evidence
 from diagnosis.importers import IMPORTERS
 from diagnosis.inference.fitting.fit import fits
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.selection.periodogram import waves
+from diagnosis.observations import observed_by
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.turning_response import TurningResponse
 
@@ -29,7 +29,7 @@ def seen(tmp_path):
         measurement = READERS["motor_step"].read(tmp_path / "case")
         robot = nominal_of(measurement, base_robot_of(measurement, None))
         bare = Hypothesis(robot, spreads_of(measurement, robot))
-        evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
+        evidence = observed_by(STAGES[measurement.kind](measurement, robot), bare)
         (fit,) = fits(evidence, [(bare, bare.null())])
         return waves(evidence, fit)
 
