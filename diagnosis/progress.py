@@ -22,18 +22,18 @@ class Phase(Enum):
 
     @property
     def title(self) -> str:
-        """What is done in the phase, in a few words."""
-        return _TITLES[self]
+        """Number of the phase, and what is done in it."""
+        return f"step {list(Phase).index(self) + 1} of {len(Phase)}, {_TITLES[self]}"
 
 
 _TITLES = MappingProxyType(
     {
-        Phase.SELECTION: "effects are fitted and selected",
-        Phase.STRUCTURE: "the rest is searched for what stays unexplained",
-        Phase.RIVALS: "the effects are compared with their rivals",
-        Phase.TRANSFER: "the names are tested on trials that were left out",
-        Phase.INTERVALS: "intervals of the parameters",
-        Phase.PLOTS: "predictions, plots and files",
+        Phase.SELECTION: "selecting the effects that explain the data",
+        Phase.STRUCTURE: "checking whether anything stays unexplained",
+        Phase.RIVALS: "comparing each selected effect with others that could explain the same data",
+        Phase.TRANSFER: "testing the effects on trials that were left out of the fit",
+        Phase.INTERVALS: "computing the uncertainty of the parameters",
+        Phase.PLOTS: "computing predictions, and writing plots and files",
     }
 )
 
@@ -78,7 +78,7 @@ class DiagnosisProgress:
         """Note which hypotheses are still fitted, of so many that were begun together."""
         if self._on_fits is not None:
             listed = ", ".join(dict.fromkeys(names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
-            self._on_fits(f"{len(names)} of {begun} fits remain of this round ({listed})")
+            self._on_fits(f"{len(names)} of {begun} models are still being fitted ({listed})")
 
     @property
     def share(self) -> float:

@@ -46,7 +46,7 @@ class BumperSettings(MountedSettings):
 
 
 class Bumper(Sensor):
-    """Whether something pushes the bumper in, zone by zone from the robot's right end of the bar to its left end."""
+    """State of each switch of a bumper, 1 while something presses its zone of the bar, from right to left."""
 
     Settings = BumperSettings
     settings: BumperSettings
@@ -66,7 +66,7 @@ class Bumper(Sensor):
     @classmethod
     def columns_of(cls, settings: SensorSettings) -> tuple[Column, ...]:
         zones = settings.zones if isinstance(settings, BumperSettings) else 1
-        return (Column("pressed", "-", 0, "1 where the bumper is pushed in", zones),)
+        return (Column("pressed", "-", 0, "1 while something presses this zone of the bar", zones),)
 
     def sample(self, world: World) -> Reading:
         """Return whether each zone is pushed in, (zones,)."""

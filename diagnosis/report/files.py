@@ -13,15 +13,8 @@ from diagnosis.posterior.posterior import posterior_text
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
 from diagnosis.report.answer import answer
 from diagnosis.report.page import page
-from diagnosis.report.plots.coverage import coverage_plot
-from diagnosis.report.plots.gain import gain_plot
-from diagnosis.report.plots.law import law_plot
-from diagnosis.report.plots.misfit import misfit_plot
-from diagnosis.report.plots.path import path_plot
-from diagnosis.report.plots.predictive import predictive_plot
-from diagnosis.report.plots.unexplained import unexplained_plot
-from diagnosis.report.plots.unseen import unseen_plot
-from diagnosis.report.report_data import ReportData, report_data
+from diagnosis.report.report_data import report_data
+from diagnosis.report.sections import SECTIONS
 from diagnosis.report.summary import reasoning, summary
 from diagnosis.unseen import csv_text
 
@@ -59,7 +52,7 @@ def _files(
 ) -> Mapping[str, bytes]:
     data = report_data(diagnosis, pybullet=pybullet, release=release, unseen=unseen)
     progress.begin(Phase.PLOTS)
-    plots = _plots(data)
+    plots = {name: png for section in SECTIONS for name, png in section.plots(data).items()}
     texts = {
         ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
         FILE: data.robot.text,
@@ -75,23 +68,3 @@ def _files(
     return {name: text.encode() for name, text in texts.items() if text} | {
         f"{PLOTS}/{name}.png": png for name, png in plots.items()
     }
-
-
-def _plots(data: ReportData) -> dict[str, bytes]:
-    diagnosis = data.diagnosis
-    plots = {observed.name: misfit_plot(data, k) for k, observed in enumerate(diagnosis.evidence.observed)}
-    if data.by_quantity:
-        plots["gain"] = gain_plot(data)
-    if data.engines is not None and data.engines.path is not None:
-        plots["path"] = path_plot(data.engines.path)
-    if data.predictive:
-        plots["predictive"] = predictive_plot(data.predictive)
-    if data.dataset is not None:
-        plots["against"] = coverage_plot(data.dataset)
-    for prediction in data.unseen:
-        plots[prediction.file.removesuffix(".csv")] = unseen_plot(prediction)
-    if diagnosis.law is not None:
-        plots["law"] = law_plot(data, diagnosis.law)
-    if diagnosis.unexplained is not None:
-        plots["unexplained"] = unexplained_plot(data, diagnosis.unexplained)
-    return plots

@@ -10,24 +10,38 @@ from configs.validation.shapes import Shape
 from sensors.base import Sensor
 from sensors.registry import SENSORS
 from symolo.core.field_descriptions import DescribedJsonSchema
+from symolo.dataset.tables.column import Column
 
 _MAX_FIELDS = 20
 """Largest number of fields of a section that are named in one line."""
 
 
 def sensor_lines() -> Iterator[str]:
-    """Yield one line for each kind that `robot.sensors` may contain: name, columns and meaning."""
+    """Yield two lines for each kind that `robot.sensors` may contain: name with meaning, and columns."""
     kinds = [kind for kind in SENSORS.classes() if kind.is_listed()]
     wide = max(len(kind.name) for kind in kinds)
     for kind in kinds:
         mark = " (your own)" if kind.name in SENSORS.files else ""
         meaning = _in_one_line((kind.__doc__ or "").partition("\n\n")[0])
-        yield f"{kind.name:<{wide}}  {meaning} {_columns(kind)}{mark}"
+        yield f"{kind.name:<{wide}}  {meaning}{mark}"
+        yield f"{'':<{wide}}  {_columns(kind)}"
 
 
 def _columns(kind: type[Sensor]) -> str:
-    columns = ", ".join(f"{column.title} [{column.unit}]" for column in kind.columns)
-    return f"Columns: {columns}." if columns else "Its columns depend on its settings." if not kind.is_rendered else ""
+    """Return the columns of a kind of sensor in one line."""
+    if kind.is_rendered:
+        return "readings: images"
+    columns = ", ".join(f"{column.title} [{column.unit}]" for column in _default_columns(kind))
+    if not columns:
+        return "columns: they depend on the settings"
+    return f"columns: {columns}" + ("" if kind.columns else " (with the default settings)")
+
+
+def _default_columns(kind: type[Sensor]) -> tuple[Column, ...]:
+    """Return the columns of a kind of sensor with its default settings; none if a setting has no default."""
+    if issubclass(kind.Settings, SensorSettings) and not _without_default(kind):
+        return kind.columns_of(kind.Settings())
+    return kind.columns
 
 
 def sensor_text(kind: type[Sensor]) -> Iterator[str]:
@@ -56,9 +70,7 @@ def _column_lines(kind: type[Sensor]) -> Iterator[str]:
     if kind.is_rendered:
         yield "  readings:    images"
         return
-    columns = kind.columns
-    if issubclass(kind.Settings, SensorSettings) and not _without_default(kind):
-        columns = kind.columns_of(kind.Settings())
+    columns = _default_columns(kind)
     without = "they depend on the settings" if kind.is_listed() else "none in a dataset"
     yield "  columns, with the default settings:" if columns else f"  columns:     {without}"
     for column in columns:

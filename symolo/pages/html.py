@@ -52,6 +52,14 @@ def render_page(package: str, *, scripts: Sequence[str] = (), **context: object)
     return environment.get_template("page.html.j2").render(context, script=script)
 
 
+def render_part(package: str, template: str, **context: object) -> Markup:
+    """Return what a template of a package makes, as a part of a page that another template of the package shows.
+
+    A value that the template uses and `context` lacks is an error.
+    """
+    return Markup(_environment(package).get_template(template).render(context))  # noqa: S704 - our own template escapes
+
+
 def _source(environment: Environment, name: str) -> str:
     """Return the text of a file in the folder `templates`; unlike a template, it is taken as it is."""
     if environment.loader is None:

@@ -90,6 +90,7 @@ SECTIONS = (
     "A material",
     "An export format",
     "An importer",
+    "A section of the diagnosis report",
     "A robot",
 )
 
@@ -204,6 +205,16 @@ def test_an_importer_recognises_and_reads_its_log(walk):
     printed = importer.type_commands()
     assert re.search(r"omega_rad_s", printed)
     assert "6 rows" in printed
+
+
+@pytest.mark.documents
+def test_a_section_is_on_the_page_of_a_diagnosis(walk):
+    section = walk("A section of the diagnosis report")
+    section.type_commands()
+    html = (section.folder / "tof-diagnosis/report.html").read_text()
+    headings = re.findall("<h2>(.*?)</h2>", html)
+    assert headings[headings.index("The misfit") + 1] == "Readings that cannot be used"
+    assert "<th>share of its readings</th>" in html
 
 
 def test_a_robot_is_read_and_drives(walk):

@@ -251,7 +251,9 @@ def test_new_writes_a_file_once(tmp_path, monkeypatch, capsys):
 
 def test_list_and_show_say_what_the_classes_say(capsys):
     assert main(["effect", "list", "--slot", "range noise"]) == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["noise_scale", "ambient_noise"]
+    *effects, next_step = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in effects] == ["noise_scale", "ambient_noise"]
+    assert "symolo effect show NAME" in next_step
     assert main(["effect", "show", "supply_sag"]) == 0
     shown = capsys.readouterr().out
     assert "meaning:     The supply has an internal resistance" in shown

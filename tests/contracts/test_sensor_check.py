@@ -119,7 +119,8 @@ def test_a_written_file_is_not_replaced(tmp_path, monkeypatch, symolo):
 
 def test_all_kinds_are_listed_with_columns_and_units(symolo):
     out = symolo("sensor", "list").out
-    assert re.search(r"^ultrasonic +Range to the first echo .*Columns: range \[m\]", out, re.MULTILINE)
+    assert re.search(r"^ultrasonic +Range to the first echo .*\n +columns: range \[m\]$", out, re.MULTILINE)
+    assert re.search(r"^lidar .*\n +columns: range_0\.\.range_359 \[m\], .*default settings", out, re.MULTILINE)
 
 
 def test_one_kind_is_shown_with_its_columns_settings_and_file(symolo):

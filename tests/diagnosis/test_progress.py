@@ -36,8 +36,8 @@ def test_the_fits_that_remain_are_counted_and_the_first_ones_named():
     texts: list[str] = []
     progress = DiagnosisProgress(lambda _: None, texts.append)
     progress.fits(["turn_slip", "input_delay", "turn_slip", "floor_slope"], 9)
-    assert texts == ["4 of 9 fits remain of this round (turn_slip, input_delay, ...)"]
+    assert texts == ["4 of 9 models are still being fitted (turn_slip, input_delay, ...)"]
     progress.fits(["no effect"], 1)
-    assert texts[1:] == ["1 of 1 fits remain of this round (no effect)"]
+    assert texts[1:] == ["1 of 1 models are still being fitted (no effect)"]
     progress.begin(Phase.PLOTS)
     assert texts[-1] == "", "a phase that fits nothing has no fits that remain"

@@ -84,6 +84,7 @@ def list_(
         raise InputError("--slot", got=slot, allowed=", ".join(known), nearest=nearest(name, known))
     for line in effect_lines(None if name is None else known[name]):
         typer.echo(line)
+    typer.echo("`symolo effect show NAME` explains one effect, with its equation and its parameters.")
 
 
 def show(

@@ -57,6 +57,7 @@ def list_() -> None:
 
     for line in sensor_lines():
         typer.echo(line)
+    typer.echo("`symolo sensor show NAME` explains the columns and the settings of one kind.")
 
 
 def show(

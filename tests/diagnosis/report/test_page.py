@@ -17,9 +17,10 @@ from diagnosis.inference.fitting.profile import Interval
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure
 from diagnosis.measured.measurement import CaseKind
 from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
-from diagnosis.report.page import _parameter_rows, page
+from diagnosis.report.page import page
 from diagnosis.report.plots.gain import round_ticks
 from diagnosis.report.report_data import shown_structures
+from diagnosis.report.sections.differences import parameter_rows
 from diagnosis.report.sentences.data.compared import misfit_caption
 from diagnosis.report.sentences.quantities import along
 from diagnosis.report.summary import summary
@@ -224,6 +225,6 @@ def test_an_effect_of_one_sensor_has_its_interval():
     )
     intervals = {effect.name: {"offset_m": (Interval(0.95, 0.00263, 0.00311, is_open=False),)}}
     data: Any = SimpleNamespace(intervals=intervals)
-    assert list(_parameter_rows(named, data)) == [
+    assert list(parameter_rows(named, data)) == [
         ("offset_m", "0.00287 ± 0.00010", "95 % profile interval 0.00263 to 0.00311", "m")
     ]

@@ -209,7 +209,7 @@ def test_a_diagnosis_reports_a_share_that_grows(benches, tmp_path, monkeypatch):
     assert len(shares) > len(Phase)
     assert shares == sorted(shares)
     assert Phase.PLOTS.value / 100 <= shares[-1] < 1.0
-    assert any("fits remain of this round (" in text for text in texts)
+    assert any("models are still being fitted (" in text for text in texts)
 
 
 def test_phases_after_the_selection_state_the_time_left_of_a_long_diagnosis(monkeypatch):
