@@ -3,23 +3,11 @@
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Color, Constant, ImageTexture, Mix, Surface
 from configs.schema.appearance.asset import Asset, ImageLook
-from configs.schema.appearance.floors import FloorLook
 
 _BLACK = Color((0.0, 0.0, 0.0))
 
 
-def image_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Return the look's image as a floor.
-
-    Raises:
-        ValueError: The look names no image.
-    """
-    if look.image.file is None:
-        raise ValueError("the floor is an image, and none is named")
-    return image(look.image, look.image.file, patch)
-
-
-def image(config: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
+def repeated_image(config: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
     """Return the image at its size in metres, as a flat surface of one gloss."""
     size = config.width_m, config.width_m * file.height_px / file.width_px
     texture = ImageTexture(file.sha256, size, (config.right_m, config.up_m), file.mean_rgb)

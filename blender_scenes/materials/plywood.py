@@ -13,10 +13,8 @@ from blender_scenes.scene.shading import (
     Surface,
     SurfaceCoordinate,
     Texture,
-    Tiles,
     paint_color,
 )
-from configs.schema.appearance.floors import FloorLook
 from configs.schema.appearance.look import LookConfig
 from configs.schema.appearance.paint import Paint
 
@@ -25,34 +23,16 @@ _THICKEST_EDGE_M = 0.03
 """Maximum width of a face that counts as the sawn edge of a sheet; wider faces have veneer."""
 
 
-def plywood_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Return sheets side by side, staggered by half, each with different veneer; the seams are open and dark."""
-    config = look.plywood
-    size, offset = (config.sheet_length_m, config.sheet_width_m), patch.offset("sheets")
-    sheet = Tiles(size, config.seam_m, 0.5, offset, "random")
-    face, fibres = _veneer(patch, config.paint, config.variation, sheet)
-    seam = Tiles(size, config.seam_m, 0.5, offset, "joint", softness=0.5)
-    # Sawn edges are slightly rounded and hold dirt.
-    worn = Tiles(size, config.seam_m + 0.006, 0.5, offset, "joint", softness=1.0)
-    face = Mix(0.3 * worn, face, paint_color(config.paint, times=0.5))
-    return Surface(
-        patch.name,
-        Mix(seam, face, paint_color(config.paint, times=0.08)),
-        roughness=config.roughness + 0.1 * fibres,
-        height_m=0.00003 * fibres - 0.0006 * worn - 0.001 * seam,
-    )
-
-
 def plywood(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Return veneer for a face, or the cut plies for the edge of a sheet."""
     config = look.plywood
     if min(patch.size_m) <= _THICKEST_EDGE_M:
         return _sawn_edge(look, patch)
-    face, fibres = _veneer(patch, config.paint, 0.15, Constant(0.5))
+    face, fibres = veneer(patch, config.paint, 0.15, Constant(0.5))
     return Surface(patch.name, face, roughness=config.roughness + 0.1 * fibres, height_m=0.00003 * fibres)
 
 
-def _veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
+def veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
     """Return colour and fibres of a peeled face; growth lines wander like the contours of a hilly map."""
     hills = NoiseTexture((0.55, 4.5), patch.offset("hills"), octaves=2, gain=0.35, warp=0.15, shift=30 * sheet)
     fibres = NoiseTexture((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)

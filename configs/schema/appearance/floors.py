@@ -11,7 +11,7 @@ from configs.schema.base import Section
 FloorName = Literal[
     "linoleum", "ceramic_tile", "parquet", "concrete", "carpet", "plywood", "paper_sheets", "vinyl", "image"
 ]
-"""`blender_scenes.materials` has a function for each."""
+"""`blender_scenes.materials.floors` has a module for each, with a function of this name."""
 
 
 class Linoleum(Section):
