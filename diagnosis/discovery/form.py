@@ -171,10 +171,34 @@ class LawForm:
 
     def text(self, notes: Sequence[str] = ()) -> str:
         """Return the text of the effect file, with lines about its evidence."""
-        place = self.place
-        along = [place.covariates[name] for name in self.covariates]
-        expression, shorthand = self.change, self.shorthand
-        for covariate in along:
+        place, (result, shorthand) = self.place, self._expressions()
+        lines = [
+            f'"""{self.words[0].upper()}{self.words[1:]}.',
+            *(["", *notes] if notes else []),
+            '"""',
+            "",
+            *self._imports("".join((result, shorthand, *self.constants))),
+            "",
+            *([*self.constants, ""] if self.constants else []),
+            "",
+            f"class {_class_name(self.name)}({'OfMaterial' if self.material else 'Effect'}):",
+            f"    slot = Slot.{place.slot.name}",
+            f'    cause = "not known: {self.words}"',
+            f'    excitation = "{self._excitation()}"',
+            f"    setups = ({', '.join(place.setups)}{',' if len(place.setups) == 1 else ''})",
+            "",
+        ]
+        for number in self.numbers:
+            lines += [f"    {number.declaration}", f'    """{number.meaning}."""']
+        lines += ["", f"    def apply(self, {place.arguments}) -> Array:"]
+        lines += [f"        {shorthand}"] if shorthand else []
+        lines.append(f"        return {result}")
+        return "\n".join(lines) + "\n"
+
+    def _expressions(self) -> tuple[str, str]:
+        """Return the expression of the result of `apply`, and the assignment before it; empty without one."""
+        place, expression, shorthand = self.place, self.change, self.shorthand
+        for covariate in (place.covariates[name] for name in self.covariates):
             key = "{" + covariate.name + "}"
             expression = expression.replace(key, covariate.expression)
             shorthand = shorthand.replace(key, covariate.expression)
@@ -188,45 +212,30 @@ class LawForm:
         if place.is_odd:
             size = expression if self.is_result else f"np.maximum(np.abs({place.first}) + {expression}, 0.0)"
             result = f"np.copysign({size}, {place.first})"
-        base = "OfMaterial" if self.material else "Effect"
-        imports = [*place.imports]
-        if self.material:
-            imports.append("from sensors.ranging.of_material import OfMaterial")
-        excitation = ", ".join(
-            f"{covariate.words} from {covariate.low:.3g} to {covariate.high:.3g}" for covariate in along
-        )
-        excitation = excitation or f"rows in which {place.noun} is read, and others"
-        effect = "Effect, " if not self.material else ""
-        numeric = ["import numpy as np"] if "np." in "".join((result, shorthand, *self.constants)) else []
+        return result, shorthand
+
+    def _imports(self, code: str) -> list[str]:
+        """Return the lines of the imports that the code of the file needs."""
+        numeric = ["import numpy as np"] if "np." in code else []
         numeric += ["from scipy.interpolate import CubicSpline"] if "CubicSpline(" in "".join(self.constants) else []
-        lines = [
-            f'"""{self.words[0].upper()}{self.words[1:]}.',
-            *(["", *notes] if notes else []),
-            '"""',
-            "",
+        further = [*self.place.imports]
+        if self.material:
+            further.append("from sensors.ranging.of_material import OfMaterial")
+        return [
             "from typing import Annotated",
             "",
             *([*numeric, ""] if numeric else []),
-            f"from configs.effects.base import {effect}Setup, Slot",
+            f"from configs.effects.base import {'' if self.material else 'Effect, '}Setup, Slot",
             "from configs.effects.parameter import Parameter",
-            *sorted(imports),
+            *sorted(further),
             "from symolo.core.arrays import Array",
-            "",
-            *([*self.constants, ""] if self.constants else []),
-            "",
-            f"class {_class_name(self.name)}({base}):",
-            f"    slot = Slot.{place.slot.name}",
-            f'    cause = "not known: {self.words}"',
-            f'    excitation = "{excitation}"',
-            f"    setups = ({', '.join(place.setups)}{',' if len(place.setups) == 1 else ''})",
-            "",
         ]
-        for number in self.numbers:
-            lines += [f"    {number.declaration}", f'    """{number.meaning}."""']
-        lines += ["", f"    def apply(self, {place.arguments}) -> Array:"]
-        lines += [f"        {shorthand}"] if shorthand else []
-        lines.append(f"        return {result}")
-        return "\n".join(lines) + "\n"
+
+    def _excitation(self) -> str:
+        """Return the ranges of the covariates in which the data show the law."""
+        along = [self.place.covariates[name] for name in self.covariates]
+        ranges = ", ".join(f"{covariate.words} from {covariate.low:.3g} to {covariate.high:.3g}" for covariate in along)
+        return ranges or f"rows in which {self.place.noun} is read, and others"
 
 
 def _class_name(name: str) -> str:

@@ -24,7 +24,7 @@ from diagnosis.inference.unexplained.scatter import SCATTER
 from diagnosis.inference.unexplained.uneven_noise import UNEVEN
 from diagnosis.measured.measurement import Measurement
 from diagnosis.posterior.predictive_check import CheckedStatistic, predictive_check
-from diagnosis.posterior.random_slip import random_slip
+from diagnosis.posterior.random_slip import RandomSlipEstimate, random_slip
 from diagnosis.prediction_error import UnseenPrediction, predictions
 from diagnosis.report.sentences.data.coupled_wheels import coupling_sentences
 from diagnosis.report.sentences.data.random_slip import random_slip_sentences
@@ -139,26 +139,36 @@ def report_data(
         by_group=tuple(_by_group(diagnosis)),
         by_case=tuple(_by_case(diagnosis)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
-        row_sentences=(
-            *row_sentences(diagnosis),
-            *session_sentences(diagnosis.fit),
-            *coupling_sentences(diagnosis.fit),
-            *random_slip_sentences(slip),
-            *run_ends(diagnosis),
-        ),
+        row_sentences=_row_sentences(diagnosis, slip),
         means=(means[0], means[1], means[2]),
         z=(z[0], z[1], z[2]),
         engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
         dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
-        rise_with_file={
-            named.effect.name: cost_with_file_numbers(evidence, diagnosis.fit, named.effect) - diagnosis.fit.cost
-            for named in diagnosis.named
-            if named.file_numbers
-        },
+        rise_with_file=_rise_with_file(diagnosis),
         own_effects=tuple(tried_effects(diagnosis)),
         unseen=predictions(diagnosis, unseen),
         predictive=predictive_check(diagnosis),
     )
+
+
+def _row_sentences(diagnosis: Diagnosis, slip: RandomSlipEstimate | None) -> tuple[str, ...]:
+    return (
+        *row_sentences(diagnosis),
+        *session_sentences(diagnosis.fit),
+        *coupling_sentences(diagnosis.fit),
+        *random_slip_sentences(slip),
+        *run_ends(diagnosis),
+    )
+
+
+def _rise_with_file(diagnosis: Diagnosis) -> Mapping[str, float]:
+    """Return the rise of the cost with the numbers of an effect's file, by the names of the effects that have one."""
+    fit = diagnosis.fit
+    return {
+        named.effect.name: cost_with_file_numbers(diagnosis.evidence, fit, named.effect) - fit.cost
+        for named in diagnosis.named
+        if named.file_numbers
+    }
 
 
 def shown_structures(unexplained: Structure | None, nominal: Adequacy, observed: Iterable[str]) -> Iterator[Structure]:

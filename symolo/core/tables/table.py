@@ -171,48 +171,78 @@ def table_of(
         is_log: Whether each row may end with one more separator, and the last row may lack its line end.
     """
     width = len(text.lines[first - 1].rstrip(separator).split(separator)) if first else max(places) + 1
-    both = list(zip(columns, places, strict=True))
-    numbers = [(column, place) for column, place in both if isinstance(column, NumberColumn)]
-    words = [(column, place) for column, place in both if isinstance(column, WordColumn)]
-    values: list[list[float]] = []
-    texts: list[list[str]] = []
-    rows, notes, faults = [], list(text.notes), []
+    reader = _RowReader(text, columns, places, width, may_break=may_break, is_log=is_log)
     for row, line in enumerate(text.lines[first:], first + 1):
-        if len(faults) >= MAX_FAULTS:
-            faults.append(LineFault(row - 1, f"{len(faults)} faults up to here; the rows below are not read"))
+        if len(reader.faults) >= MAX_FAULTS:
+            what = f"{len(reader.faults)} faults up to here; the rows below are not read"
+            reader.faults.append(LineFault(row - 1, what))
             break
-        cells = line.split(separator)
-        if may_break and len(cells) < width:
-            notes += [f"{text.path.name}: row {row} is broken and left out"] if len(notes) < MAX_FAULTS else []
-            continue
-        if is_log and len(cells) == width + 1 and not cells[-1].strip():
+        reader.read(row, line.split(separator))
+    return reader.table()
+
+
+class _RowReader:
+    """Reads rows of a table one by one, and collects their values, notes and faults; see `table_of`."""
+
+    def __init__(
+        self,
+        text: TextFile,
+        columns: Sequence[TableColumn],
+        places: Sequence[int],
+        width: int,
+        *,
+        may_break: bool,
+        is_log: bool,
+    ) -> None:
+        self._text, self._width, self._may_break, self._is_log = text, width, may_break, is_log
+        both = list(zip(columns, places, strict=True))
+        self._numbers = [(column, place) for column, place in both if isinstance(column, NumberColumn)]
+        self._words = [(column, place) for column, place in both if isinstance(column, WordColumn)]
+        self._rows: list[int] = []
+        """Numbers of the rows in the file."""
+        self._values: list[list[float]] = []
+        self._texts: list[list[str]] = []
+        self._notes = list(text.notes)
+        self.faults: list[LineFault] = []
+
+    def read(self, row: int, cells: list[str]) -> None:
+        """Read the cells of a row, whose number in the file is `row`."""
+        if self._may_break and len(cells) < self._width:
+            note = f"{self._text.path.name}: row {row} is broken and left out"
+            self._notes += [note] if len(self._notes) < MAX_FAULTS else []
+            return
+        if self._is_log and len(cells) == self._width + 1 and not cells[-1].strip():
             cells.pop()
-        if len(cells) != width:
-            faults.append(_width_fault(row, len(cells), width))
-            continue
+        if len(cells) != self._width:
+            self.faults.append(_width_fault(row, len(cells), self._width))
+            return
         try:
-            if is_log and row == len(text.lines) and not text.is_whole:
-                notes.append(_loose_end(cells, numbers, text))
+            if self._is_log and row == len(self._text.lines) and not self._text.is_whole:
+                self._notes.append(_loose_end(cells, self._numbers, self._text))
         except InputError as error:
-            faults.append(LineFault(row, str(error)))
-            continue
+            self.faults.append(LineFault(row, str(error)))
+            return
         try:
-            values.append([_number(cells[place], column) for column, place in numbers])
-            texts.append([_word(cells[place].strip(), column) for column, place in words])
+            self._values.append([_number(cells[place], column) for column, place in self._numbers])
+            self._texts.append([_word(cells[place].strip(), column) for column, place in self._words])
         except InputError:
-            faults += [LineFault(row, str(fault)) for fault in _cell_faults(cells, numbers, words)]
-        rows.append(row)
-    if not rows and not faults:
-        faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
-    number_array = np.array([] if faults else values, np.float64).reshape(0 if faults else len(values), len(numbers))
-    return CsvTable(
-        text.path,
-        np.array([] if faults else rows, np.int64),
-        {column.name: number_array[:, k].copy() for k, (column, _) in enumerate(numbers)},
-        {column.name: () if faults else tuple(row[k] for row in texts) for k, (column, _) in enumerate(words)},
-        tuple(notes),
-        tuple(faults),
-    )
+            self.faults += [LineFault(row, str(fault)) for fault in _cell_faults(cells, self._numbers, self._words)]
+        self._rows.append(row)
+
+    def table(self) -> CsvTable:
+        """Return the table of all rows; it has no rows if it has faults."""
+        if not self._rows and not self.faults:
+            self.faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
+        rows, values, texts = ([], [], []) if self.faults else (self._rows, self._values, self._texts)
+        number_array = np.array(values, np.float64).reshape(len(values), len(self._numbers))
+        return CsvTable(
+            self._text.path,
+            np.array(rows, np.int64),
+            {column.name: number_array[:, k].copy() for k, (column, _) in enumerate(self._numbers)},
+            {column.name: tuple(row[k] for row in texts) for k, (column, _) in enumerate(self._words)},
+            tuple(self._notes),
+            tuple(self.faults),
+        )
 
 
 def _cell_faults(
