@@ -92,7 +92,6 @@ def refusal(
         return "its size would exceed its bounds"
     if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
         return f"the size of {pushed[0]} would then exceed its bounds"
-    falls = before.costs - after.costs
     if np.count_nonzero(evidence.fit) < MIN_SAMPLES:
         return f"fewer than {MIN_SAMPLES} samples"
     # A nuisance had left its tolerance to imitate the effect and now returns. It imitated the effect in all rows, so
@@ -101,6 +100,14 @@ def refusal(
         return ""
     if is_of_noise(after, effect) and (reason := _refusal_of_noise(evidence, before, after, effect)):
         return reason
+    return _refusal_by_rows(evidence, before, after, effect, min_drop)
+
+
+def _refusal_by_rows(
+    evidence: Evidence, before: HypothesisFit, after: HypothesisFit, effect: CandidateEffect, min_drop: float
+) -> str:
+    """Return whether only a few rows show an effect, or held-out rows contradict it; empty if neither is the case."""
+    drop, falls = before.cost - after.cost, before.costs - after.costs
     heldout_fall, fit_falls = heldout_falls(evidence, before, after, effect), np.maximum(falls[evidence.fit], 0.0)
     rise = -float(heldout_fall.sum())
     rows = _effective(fit_falls)

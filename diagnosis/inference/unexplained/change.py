@@ -51,26 +51,10 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
     basis = orthonormal(nominal.tangents(root))
     residual = nominal.weighted_residuals(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
-    lasting = _lasting(evidence, nominal, fit)
-    best: tuple[float, float, Array] | None = None
-    time = _time_s(evidence)
-    for moment in _moments(time[evidence.fit & np.isfinite(time)]):
-        after = time >= moment
-        parts = ((part.change * after[:, None], part.shape, part.limit) for part in lasting)
-        for columns, shape, limit in ((_jump(evidence, nominal, after), 0, -np.inf), *parts):
-            weighed = columns * root[:, None]
-            combined = beyond(weighed, basis[: len(root)].T @ weighed)
-            along = combined.T @ (weighed.T @ residual[: len(root)])
-            if np.any(combined @ along <= limit):
-                continue
-            # The selection of effects has the same penalty, so that the two models can be compared.
-            penalty = PARAMETER_PENALTY * (combined.shape[1] + shape + MOMENT_PARAMETERS)
-            squares = float(residual @ residual - along @ along) / level + penalty
-            if best is None or squares < best[0]:
-                best = squares, moment, columns
-    if best is None or best[0] >= named + PARAMETER_PENALTY * numbers:
+    best = _best_jump(evidence, nominal, fit, root, projected=(basis, residual), level=level)
+    if best is None or best.squares >= named + PARAMETER_PENALTY * numbers:
         return None
-    squares, moment, columns = best
+    squares, columns = best.squares, best.columns
     if is_error_of_own_effect(nominal, fit, columns):
         return None
     if _leaves_structure(evidence, nominal, columns):
@@ -83,7 +67,7 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         observed=observed.name,
         channel=observed.channel,
         covariate=covariate.name,
-        what=f"jump at {moment:.4g} s",
+        what=f"jump at {best.moment_s:.4g} s",
         p=0.0,
         explainable=named - squares + PARAMETER_PENALTY * (numbers + columns.shape[1]),
         rank=rank,
@@ -92,6 +76,55 @@ def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFi
         # Speeds from counts have no zero that may drift: a jump of them has a cause, even if rows show little of it.
         is_over_time=observed.count_noise is None,
     )
+
+
+@dataclass(frozen=True)
+class _Jump:
+    """Change of the predictions from one moment on."""
+
+    squares: float
+    """Sum of the squares of the residuals beside it, in units of the noise, with a penalty for its parameters."""
+    moment_s: float
+    columns: Array
+    """(N, k), changes of the samples by its parameters."""
+
+
+def _best_jump(
+    evidence: Evidence,
+    nominal: HypothesisFit,
+    fit: HypothesisFit,
+    root: Array,
+    *,
+    projected: tuple[Array, Array],
+    level: float,
+) -> _Jump | None:
+    """Return the jump that explains most, of all moments and kinds; None if there is none.
+
+    Args:
+        evidence: The observations.
+        nominal: The fit of the nominal robot.
+        fit: The fit with effects, each of which may also be present from a moment on only.
+        root: (N,), square roots of the weights of the samples.
+        projected: Orthonormal basis of the changes by the nuisances, and the weighted residuals beyond it.
+        level: Level of the noise, by which squares are divided.
+    """
+    lasting, time, (basis, residual) = _lasting(evidence, nominal, fit), _time_s(evidence), projected
+    best: _Jump | None = None
+    for moment in _moments(time[evidence.fit & np.isfinite(time)]):
+        after = time >= moment
+        parts = ((part.change * after[:, None], part.shape, part.limit) for part in lasting)
+        for columns, shape, limit in ((_jump(evidence, nominal, after), 0, -np.inf), *parts):
+            weighed = columns * root[:, None]
+            combined = beyond(weighed, basis[: len(root)].T @ weighed)
+            along = combined.T @ (weighed.T @ residual[: len(root)])
+            if np.any(combined @ along <= limit):
+                continue
+            # The selection of effects has the same penalty, so that the two models can be compared.
+            penalty = PARAMETER_PENALTY * (combined.shape[1] + shape + MOMENT_PARAMETERS)
+            squares = float(residual @ residual - along @ along) / level + penalty
+            if best is None or squares < best.squares:
+                best = _Jump(squares, moment, columns)
+    return best
 
 
 def _leaves_structure(evidence: Evidence, nominal: HypothesisFit, columns: Array) -> bool:

@@ -65,23 +65,29 @@ def stiction(robot: RobotConfig, _seed: int) -> ExperimentResult:
         Curve([1e3 * breaks_V], [0.0], "breaks away", VERMILION, "^", size=8),
         Curve([1e3 * stops_V], [0.0], "comes to rest", ORANGE, "v", size=8),
     )
-    axes = "voltage [mV]", "speed [rad/s]"
-    closed_mV = (-1e3 * breakaway_V, 1e3 * breakaway_V)
-    near_mV = 1e3 * max(abs(breakaway_V - stops_closed_form_V), resolution_V)
-    around = (1e3 * stops_closed_form_V - near_mV, 1e3 * breakaway_V + near_mV)
     fastest = float(np.abs(speed).max())
-    panels = (
-        Panel("Stiction, dashed: R Tq / K", *axes, curves, x_lines=closed_mV),
+    return ExperimentResult(
+        tables, checks, _panels(curves, breakaway_V, stops_closed_form_V, max_speed_rad_s=fastest, step_V=resolution_V)
+    )
+
+
+def _panels(
+    curves: tuple[Curve, ...], breakaway_V: float, stops_V: float, *, max_speed_rad_s: float, step_V: float
+) -> tuple[Panel, Panel]:
+    """Return the whole ramp, and its part around the voltages at which the wheel breaks away and comes to rest."""
+    axes = "voltage [mV]", "speed [rad/s]"
+    near_mV = 1e3 * max(abs(breakaway_V - stops_V), step_V)
+    return (
+        Panel("Stiction, dashed: R Tq / K", *axes, curves, x_lines=(-1e3 * breakaway_V, 1e3 * breakaway_V)),
         Panel(
             "Stiction, close-up",
             *axes,
             curves,
-            x_lines=(1e3 * breakaway_V, 1e3 * stops_closed_form_V),
-            x_range=around,
-            y_range=(-0.03 * fastest, 0.08 * fastest),
+            x_lines=(1e3 * breakaway_V, 1e3 * stops_V),
+            x_range=(1e3 * stops_V - near_mV, 1e3 * breakaway_V + near_mV),
+            y_range=(-0.03 * max_speed_rad_s, 0.08 * max_speed_rad_s),
         ),
     )
-    return ExperimentResult(tables, checks, panels)
 
 
 def starts_and_reversals(speed_rad_s: Array) -> tuple[int, int]:

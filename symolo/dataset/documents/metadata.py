@@ -354,9 +354,29 @@ def describe(
         columns_of_data: Columns of data.csv, which are the same in all runs.
         splits: Division into training, validation and test.
     """
-    first = RunDocument.model_validate(specifications[0])
-    is_beside_rows = period_beside_rows_s(first.rates) is not None
-    meanings = {"img": IMG_NEAREST} if is_beside_rows else {}
+    first, has_images = RunDocument.model_validate(specifications[0]), any(run.images for run in runs)
+    return Metadata(
+        name=first.scenario,
+        description=str(tree.get("description", "")),
+        licence=str(tree.get("licence", "CC-BY-4.0")),
+        seed=first.seed,
+        made_with=made_with(simulated=not all(run.is_imported for run in runs), rendered=has_images),
+        frames=FRAMES,
+        states=STATES if "state" in columns_of_data else {},
+        columns=_columns_of_tables(first, sensors, columns_of_data, has_images=has_images),
+        sensors={one.table.name: SensorRecord(kind=one.kind, meaning=one.table.meaning) for one in sensors},
+        scenario=tree,
+        runs=list(runs),
+        failed_runs=list(failed),
+        splits=splits,
+    )
+
+
+def _columns_of_tables(
+    run: RunDocument, sensors: Sequence[ListedSensor], columns_of_data: Sequence[str], *, has_images: bool
+) -> dict[str, list[ColumnRecord]]:
+    """Return the columns of data.csv and of the tables of side/ by the path of the table in a run."""
+    meanings = {} if period_beside_rows_s(run.rates) is None else {"img": IMG_NEAREST}
     columns = {
         DATA: [
             ColumnRecord(name=c.name, unit=c.unit, meaning=meanings.get(c.name, c.meaning))
@@ -364,29 +384,12 @@ def describe(
             if c.name in columns_of_data
         ]
     }
-    for table in side_tables(first, has_images=any(run.images for run in runs)):
-        columns[f"side/{table.file}"] = [
-            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in table.columns
-        ]
+    for table in side_tables(run, has_images=has_images):
+        records = [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in table.columns]
+        columns[f"side/{table.file}"] = records
     for sensor in sensors:
         columns[f"side/{sensor.table.file}"] = [ColumnRecord.from_column(column) for column in sensor.table.columns]
-    return Metadata(
-        name=first.scenario,
-        description=str(tree.get("description", "")),
-        licence=str(tree.get("licence", "CC-BY-4.0")),
-        seed=first.seed,
-        made_with=made_with(
-            simulated=not all(run.is_imported for run in runs), rendered=any(run.images for run in runs)
-        ),
-        frames=FRAMES,
-        states=STATES if "state" in columns_of_data else {},
-        columns=columns,
-        sensors={one.table.name: SensorRecord(kind=one.kind, meaning=one.table.meaning) for one in sensors},
-        scenario=tree,
-        runs=list(runs),
-        failed_runs=list(failed),
-        splits=splits,
-    )
+    return columns
 
 
 def read_metadata(root: Path) -> Metadata | None:
