@@ -121,12 +121,7 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     if above:
         notes.append(f"{path.name}: left out above the {'rows' if names else 'header'}: {plural(above, 'row')}")
     first_row = above + (1 if names else 2)
-    head = lines[above].lstrip("# ")
-    separator = _separator_for(names, head) if names else _separator(head)
-    header = list(names) or [cell.strip('"') for cell in cells_of(head, separator)]
-    if names:
-        _check_names(names, cells_of(head, separator), f"{path}: row {above + 1}")
-    _check_header(header, f"{path}: row {above + 1}")
+    separator, header = _header_of(lines[above].lstrip("# "), names, f"{path}: row {above + 1}")
     below = [lines[first_row - 1].lstrip("# "), *lines[first_row:]] if len(lines) >= first_row else []
     rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
     words = _header_rows(header, rows)
@@ -153,6 +148,22 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
         header_row=0 if names else above + 1,
         first_row=first_row,
     )
+
+
+def _header_of(line: str, names: Sequence[str], where: str) -> tuple[str, list[str]]:
+    """Return the separator and the names of the columns, which the line has if `names` is empty.
+
+    Raises:
+        InputError: The line is no header, or does not have as many cells as there are names.
+    """
+    if not names:
+        separator = _separator(line)
+        header = [cell.strip('"') for cell in cells_of(line, separator)]
+    else:
+        separator, header = _separator_for(names, line), list(names)
+        _check_names(names, cells_of(line, separator), where)
+    _check_header(header, where)
+    return separator, header
 
 
 def _check_rows(

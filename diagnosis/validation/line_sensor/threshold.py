@@ -1,5 +1,6 @@
 """The paper's Fig. 5: the channels that are on, the line error, and the widths of tape for which both hold."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -51,36 +52,8 @@ def threshold(robot: RobotConfig, _seed: int, tape: Tape | None = None) -> Exper
     positions = cases(quiet, tape)
     levels = vars(tape) | {"threshold": config.threshold}
     tables = {"line_error": levels | {"offset_m": offset, "line_error": error}}
-    checks = []
-    for case in positions:
-        name = f"robot {1e3 * case.offset_m:+.2f} mm off the tape"
-        tables[name] = vars(case)
-        value = np.nan if case.line_error is None else case.line_error
-        detail = "on: " + (" ".join(f"L{channel}" for channel in case.active) or "none")
-        expected = case.line_error_in_figure_5
-        checks.append(ValidationCheck(f"line error, {name}", value, expected, 0, "Fig. 5", "pitches", detail))
-    other = sum(case.active != case.active_in_figure_5 for case in positions)
-    checks += [
-        ValidationCheck("cases with other channels on", other, 0, 0, "Fig. 5"),
-        ValidationCheck(
-            "narrowest tape for which Fig. 5 holds",
-            1e3 * last_good_m(quiet, tape, MIN_WIDTH_M),
-            # Both middle channels must see the tape.
-            1e3 * (config.pitch_m + 2.0 * inside_m),
-            TOLERANCE_MM,
-            "a pitch and twice the depth inside the edge at which a channel turns on",
-            "mm",
-        ),
-        ValidationCheck(
-            "widest tape for which Fig. 5 holds",
-            1e3 * last_good_m(quiet, tape, MAX_WIDTH_M),
-            # With one channel above the middle of the tape, no other channel may see it.
-            1e3 * (2.0 * config.pitch_m + 2.0 * inside_m),
-            TOLERANCE_MM,
-            "two pitches and twice the depth inside the edge at which a channel turns on",
-            "mm",
-        ),
-    ]
+    tables |= {_name(case): vars(case) for case in positions}
+    checks = [*_checks_of_cases(positions), *_checks_of_widths(quiet, tape, inside_m)]
     points = [1e3 * case.offset_m for case in positions], [case.line_error_in_figure_5 for case in positions]
     curves = (
         Curve(1e3 * offset, error, "mean weight of the channels that are on (Eq. 12)", BLUE, ".", size=3),
@@ -88,6 +61,49 @@ def threshold(robot: RobotConfig, _seed: int, tape: Tape | None = None) -> Exper
     )
     axes = ("robot left of the tape's middle [mm]", "line error [pitches]")
     return ExperimentResult(tables, checks, (Panel("Line error with the threshold", *axes, curves),))
+
+
+def _name(case: ThresholdCase) -> str:
+    return f"robot {1e3 * case.offset_m:+.2f} mm off the tape"
+
+
+def _checks_of_cases(positions: Sequence[ThresholdCase]) -> Iterator[ValidationCheck]:
+    """Yield the line error of each case, and the number of cases in which other channels are on than in the paper."""
+    for case in positions:
+        value = np.nan if case.line_error is None else case.line_error
+        detail = "on: " + (" ".join(f"L{channel}" for channel in case.active) or "none")
+        expected = case.line_error_in_figure_5
+        yield ValidationCheck(f"line error, {_name(case)}", value, expected, 0, "Fig. 5", "pitches", detail)
+    other = sum(case.active != case.active_in_figure_5 for case in positions)
+    yield ValidationCheck("cases with other channels on", other, 0, 0, "Fig. 5")
+
+
+def _checks_of_widths(config: LineSensor, tape: Tape, inside_m: float) -> Iterator[ValidationCheck]:
+    """Yield the narrowest and the widest tape for which the cases hold.
+
+    Args:
+        config: The line sensor, without faults.
+        tape: The tape.
+        inside_m: Distance inside the edge of the tape at which the middle of a spot reads the threshold.
+    """
+    yield ValidationCheck(
+        "narrowest tape for which Fig. 5 holds",
+        1e3 * last_good_m(config, tape, MIN_WIDTH_M),
+        # Both middle channels must see the tape.
+        1e3 * (config.pitch_m + 2.0 * inside_m),
+        TOLERANCE_MM,
+        "a pitch and twice the depth inside the edge at which a channel turns on",
+        "mm",
+    )
+    yield ValidationCheck(
+        "widest tape for which Fig. 5 holds",
+        1e3 * last_good_m(config, tape, MAX_WIDTH_M),
+        # With one channel above the middle of the tape, no other channel may see it.
+        1e3 * (2.0 * config.pitch_m + 2.0 * inside_m),
+        TOLERANCE_MM,
+        "two pitches and twice the depth inside the edge at which a channel turns on",
+        "mm",
+    )
 
 
 def cases(config: LineSensor, tape: Tape) -> tuple[ThresholdCase, ...]:
