@@ -60,12 +60,7 @@ class Ground:
         (x0, y0), (x1, y1), edge = self.low, self.high, _SKIRTING_M
         if any(not (x0 + edge <= x <= x1 - edge and y0 + edge <= y <= y1 - edge) for x, y in ground.corners()):
             return False
-        return not any(_near(ground, other) and overlap(ground, other) for other in (self.arena, *self.taken))
-
-
-def _near(one: Rectangle, other: Rectangle) -> bool:
-    """Return whether the circles around two rectangles meet: a cheap test that rules out most pairs."""
-    return math.dist(one.center, other.center) < 0.5 * (math.hypot(*one.size) + math.hypot(*other.size))
+        return not any(overlap(ground, other) for other in (self.arena, *self.taken))
 
 
 def find_place(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random.Generator) -> PlacedPiece | None:

@@ -5,6 +5,7 @@ does not change the arena. For other robots, change `ArenaGenerator.clearance`.
 """
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -38,14 +39,20 @@ def in_frame_of(frame: PlanarPose, points: Array) -> Array:
     return (points - (x, y)) @ np.array([[c, -s], [s, c]])
 
 
+@lru_cache(64)
 def outline_of(rectangle: Rectangle) -> Array:
-    """Return points (N, 2) on the outline of a rectangle, including its corners."""
+    """Return points (N, 2) on the outline of a rectangle, including its corners; read-only.
+
+    The walls and boxes of an arena are asked for again with every further box.
+    """
     corners = np.array(rectangle.corners())
     parts = []
     for begin, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         count = max(1, math.ceil(math.dist(begin, end) / OUTLINE_SPACING_M))
         parts.append(begin + np.arange(count)[:, None] / count * (end - begin))
-    return np.concatenate(parts)
+    outline = np.concatenate(parts)
+    outline.flags.writeable = False
+    return outline
 
 
 def seen_m(poses: Array, sensor: PlanarPose, half_angle_rad: float, points: Array) -> Array:
@@ -84,8 +91,11 @@ def comes_near_itself(points: Array, spacing_m: float, min_m: float) -> bool:
     bends with a radius of at least half of `min_m`, all other pairs are further apart.
     """
     nearest = math.floor(0.5 * math.pi * min_m / spacing_m + 1) + 1
+    count = len(points)
+    x, y = np.ascontiguousarray(np.concatenate([points, points]).T)  # twice around, so that pairs are slices
     # One offset along the line at a time: all pairs of a long line at once would not fit into memory.
-    return any(
-        np.hypot(*(points - np.roll(points, steps, axis=0)).T).min() < min_m
-        for steps in range(nearest, len(points) // 2 + 1)
-    )
+    for steps in range(nearest, count // 2 + 1):
+        dx, dy = x[steps : steps + count] - x[:count], y[steps : steps + count] - y[:count]
+        if (dx * dx + dy * dy).min() < min_m * min_m:
+            return True
+    return False

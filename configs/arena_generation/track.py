@@ -20,15 +20,6 @@ class Segment:
     curvature_1_m: float
     """Curvature, positive to the left, 0 for a straight."""
 
-    def along(self, begin: PlanarPose, s: Array) -> Array:
-        """Return poses (N, 3) at distances s (N,) from the beginning."""
-        x, y, yaw = begin
-        turned = self.curvature_1_m * s
-        # The length of the chord of the arc; sinc is 1 for a straight, so there is no division by a curvature of 0.
-        chord = s * np.sinc(0.5 * turned / np.pi)
-        heading = yaw + 0.5 * turned
-        return np.stack([x + chord * np.cos(heading), y + chord * np.sin(heading), yaw + turned], axis=1)
-
 
 @dataclass(frozen=True)
 class Track:
@@ -48,8 +39,9 @@ class Track:
         """Poses at the beginning of each segment, and at the end of the track."""
         poses = [self.begin]
         for segment in self.segments:
-            x, y, yaw = segment.along(poses[-1], np.array([segment.length_m]))[0]
-            poses.append((float(x), float(y), float(yaw)))
+            length_m, curvature_1_m = np.array([segment.length_m]), np.array([segment.curvature_1_m])
+            x, y, yaw = _along(np.array(poses[-1:]), curvature_1_m, length_m)[0].tolist()
+            poses.append((x, y, yaw))
         return poses
 
     @cached_property
@@ -59,13 +51,14 @@ class Track:
 
     def poses(self, s: Array) -> Array:
         """Return poses (N, 3) at distances s (N,) along the track, within its length."""
-        offsets, begins = self.offsets, self.begins
-        which = np.clip(np.searchsorted(offsets, s, side="right") - 1, 0, len(self.segments) - 1)
-        poses = np.empty((len(s), 3))
-        for index in np.unique(which):
-            here = which == index
-            poses[here] = self.segments[index].along(begins[index], s[here] - offsets[index])
-        return poses
+        which = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.segments) - 1)
+        begins, curvatures_1_m = self._bends
+        return _along(begins[which], curvatures_1_m[which], s - self.offsets[which])
+
+    @cached_property
+    def _bends(self) -> tuple[Array, Array]:
+        """Poses (segments, 3) at which segments begin, and their curvatures (segments,) [1/m]."""
+        return np.array(self.begins[:-1]), np.array([segment.curvature_1_m for segment in self.segments])
 
     def mirrored(self) -> "Track":
         """Return the line with left and right exchanged, from the same beginning."""
@@ -77,6 +70,16 @@ class Track:
         return tuple(
             _piece(segment, begin, end) for segment, (begin, end) in zip(self.segments, pairwise(begins), strict=True)
         )
+
+
+def _along(begins: Array, curvatures_1_m: Array, s: Array) -> Array:
+    """Return poses (N, 3) at distances s (N,) from poses `begins` (N, 3) along arcs with these curvatures (N,)."""
+    turned = curvatures_1_m * s
+    # The length of the chord of the arc; sinc is 1 for a straight, so there is no division by a curvature of 0.
+    chord = s * np.sinc(0.5 * turned / np.pi)
+    heading = begins[:, 2] + 0.5 * turned
+    offsets = np.stack([chord * np.cos(heading), chord * np.sin(heading), turned], axis=1)
+    return begins + offsets
 
 
 def _piece(segment: Segment, begin: PlanarPose, end: PlanarPose) -> LinePiece:

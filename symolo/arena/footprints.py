@@ -106,6 +106,8 @@ def _left_turn(a: Point, b: Point, c: Point) -> float:
 
 def overlap(one: Rectangle, other: Rectangle) -> bool:
     """Return whether two rectangles share area."""
+    if math.dist(one.center, other.center) > 0.5 * (math.hypot(*one.size) + math.hypot(*other.size)):
+        return False  # the circles around them do not meet, which is quick to see
     return outlines_overlap(one.corners(), other.corners())
 
 
@@ -115,7 +117,7 @@ def outlines_overlap(one: Sequence[Point], other: Sequence[Point]) -> bool:
     for outline in both:
         for (x0, y0), (x1, y1) in pairwise((*outline, outline[0])):
             axis = (y1 - y0, x0 - x1)
-            shadow, other_shadow = (sorted(axis[0] * x + axis[1] * y for x, y in corners) for corners in both)
-            if shadow[-1] <= other_shadow[0] or other_shadow[-1] <= shadow[0]:
+            shadow, other_shadow = ([axis[0] * x + axis[1] * y for x, y in corners] for corners in both)
+            if max(shadow) <= min(other_shadow) or max(other_shadow) <= min(shadow):
                 return False
     return True
