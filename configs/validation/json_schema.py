@@ -112,7 +112,7 @@ def _base(kind: str) -> dict[str, Any]:
 
 def _mapping(schema: Mapping[str, Any], shape: Shape, *, required: bool) -> dict[str, Any]:
     """Return a model's schema whose fields may be drawn and, outside lists, left out."""
-    mapping = {key: value for key, value in schema.items() if key != "$defs" and (required or key != "required")}
+    mapping = {key: value for key, value in schema.items() if required or key != "required"}
     mapping["properties"] = {key: _field(inner, shape) for key, inner in schema.get("properties", {}).items()}
     return mapping
 
@@ -147,5 +147,5 @@ def _below_lists(schema: Any, shape: Shape, *, inside: bool = False) -> Iterator
             yield from [name] if inside else []
             yield from _below_lists(shape.definitions[name], shape, inside=inside)
         for key, item in schema.items():
-            if key not in {"$defs", "$ref", "default", "discriminator"}:
+            if key not in {"$ref", "default", "discriminator"}:
                 yield from _below_lists(item, shape, inside=inside or key == "items")

@@ -19,6 +19,7 @@ from symolo.core.yaml.tree import ALTERNATIVES, FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}
+_PLAIN_TYPES = frozenset({bool, int, float, str, type(None)})
 _MAX_NAMES = 40
 
 
@@ -34,6 +35,10 @@ class FullNames(GenerateJsonSchema):
             choices[name] = [name]
         return name
 
+    def encode_default(self, dft: Any) -> Any:  # noqa: ANN401 - any default of a field
+        """Return a default as JSON has it; a plain one as it is, for which pydantic would build a serialiser."""
+        return dft if type(dft) in _PLAIN_TYPES else super().encode_default(dft)
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -48,7 +53,9 @@ class Shape:
     @classmethod
     def from_model(cls, model: type[BaseModel], generator: type[GenerateJsonSchema] = FullNames) -> "Shape":
         """Return the shape of a model, with the effects, sensors and controllers that there are now."""
-        return _shape(model, (effects_section(), sensors_section(), controllers_section()), generator)
+        if generator is FullNames:
+            return _shape(model, _family_sections())
+        return _whole_shape(model, _family_sections(), generator)
 
     @cached_property
     def fields(self) -> dict[str, Any]:
@@ -206,11 +213,51 @@ class Shape:
         return Shape(schema, self.definitions)
 
 
+def _family_sections() -> tuple[type[Section], ...]:
+    """Return the sections to which files of a user may add, with the effects, sensors and controllers of now."""
+    return effects_section(), sensors_section(), controllers_section()
+
+
 @cache
-def _shape(model: type[BaseModel], sections: tuple[type[Section], ...], generator: type[GenerateJsonSchema]) -> Shape:
+def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape:
+    """Return the shape with these family sections: the first shape of the model, in which they replace others."""
+    first, first_sections = _first_shape(model)
+    names = {definition.get("title"): name for name, definition in first.definitions.items()}
+    definitions = dict(first.definitions)
+    for section in sections:
+        if section not in first_sections and _title(section) in names:
+            own_shape = _section_shape(section)
+            definitions |= own_shape.definitions
+            definitions[names[_title(section)]] = own_shape.schema
+    return Shape(first.schema, definitions)
+
+
+@cache
+def _first_shape(model: type[BaseModel]) -> tuple[Shape, tuple[type[Section], ...]]:
+    """Return the shape of a model when it is first asked for, and its family sections: the whole takes long."""
+    sections = _family_sections()
+    return _whole_shape(model, sections, FullNames), sections
+
+
+@cache
+def _section_shape(section: type[Section]) -> Shape:
+    return _as_shape(section.model_json_schema(schema_generator=FullNames))
+
+
+@cache
+def _whole_shape(
+    model: type[BaseModel], sections: tuple[type[Section], ...], generator: type[GenerateJsonSchema]
+) -> Shape:
     del sections  # the schema contains them, so that one more effect, sensor or controller makes another schema
-    schema = model.model_json_schema(schema_generator=generator)
-    return Shape(schema, schema.get("$defs", {}))
+    return _as_shape(model.model_json_schema(schema_generator=generator))
+
+
+def _as_shape(schema: dict[str, Any]) -> Shape:
+    return Shape(schema, schema.pop("$defs", {}))
+
+
+def _title(section: type[Section]) -> str:
+    return section.model_config.get("title") or section.__name__
 
 
 def with_defaults(node: Node, shape: Shape) -> Node:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ import configs
 from configs.validation.json_schema import scenario_json_schema
 from symolo.core.yaml.reader import read_yaml
 
-SCHEMA = scenario_json_schema()
 SHIPPED = Path(configs.__file__).parent
 TYPES: dict[str, tuple[type, ...]] = {
     "null": (type(None),),
@@ -24,10 +24,15 @@ TYPES: dict[str, tuple[type, ...]] = {
 }
 
 
+@cache
+def printed_schema() -> dict[str, Any]:
+    return scenario_json_schema()
+
+
 def faults(value: Any, schema: dict[str, Any], path: str = "") -> list[str]:
     """Paths at which a value breaks the keywords of JSON Schema 2020-12 that are in use here."""
     if "$ref" in schema:
-        return faults(value, SCHEMA["$defs"][schema["$ref"].removeprefix("#/$defs/")], path)
+        return faults(value, printed_schema()["$defs"][schema["$ref"].removeprefix("#/$defs/")], path)
     found = [] if _keywords_hold(value, schema) else [path]
     for several in ("anyOf", "oneOf"):
         if several in schema:
@@ -68,7 +73,7 @@ def _keywords_hold(value: Any, schema: dict[str, Any]) -> bool:
 
 @pytest.mark.parametrize("path", sorted((SHIPPED / "scenarios").glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_scenarios_follow_the_schema(path: Path):
-    assert faults(read_yaml(path).root.plain(), SCHEMA) == []
+    assert faults(read_yaml(path).root.plain(), printed_schema()) == []
 
 
 @pytest.mark.parametrize(
@@ -78,7 +83,7 @@ def test_shipped_sections_follow_their_definition(kind: str, name: str):
     paths = sorted((SHIPPED / kind).glob("*.yaml"))
     assert paths
     for path in paths:
-        assert faults(read_yaml(path).root.plain(), SCHEMA["$defs"][name]) == []
+        assert faults(read_yaml(path).root.plain(), printed_schema()["$defs"][name]) == []
 
 
 START = {"x_m": 0.5, "y_m": 0, "yaw_deg": 90}
@@ -114,7 +119,7 @@ GOOD: dict[str, Any] = {
     ],
 )
 def test_what_the_loader_takes_follows_the_schema(change: dict[str, Any]):
-    assert faults({**GOOD, **change}, SCHEMA) == []
+    assert faults({**GOOD, **change}, printed_schema()) == []
 
 
 @pytest.mark.parametrize(
@@ -138,13 +143,13 @@ def test_what_the_loader_takes_follows_the_schema(change: dict[str, Any]):
     ],
 )
 def test_what_the_loader_refuses_breaks_the_schema_there(change: dict[str, Any], place: str):
-    assert set(faults({**GOOD, **change}, SCHEMA)) == {place}
+    assert set(faults({**GOOD, **change}, printed_schema())) == {place}
 
 
 def test_a_scenario_that_extends_nothing_must_be_whole():
-    assert faults({"name": "trial"}, SCHEMA) == [""]
-    assert faults({"name": "trial", "extends": "smoke"}, SCHEMA) == []
+    assert faults({"name": "trial"}, printed_schema()) == [""]
+    assert faults({"name": "trial", "extends": "smoke"}, printed_schema()) == []
 
 
 def test_the_schema_is_plain_json():
-    assert json.loads(json.dumps(SCHEMA, allow_nan=False)) == SCHEMA
+    assert json.loads(json.dumps(printed_schema(), allow_nan=False)) == printed_schema()

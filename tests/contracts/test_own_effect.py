@@ -13,7 +13,9 @@ from configs.checks.robot import robot_faults
 from configs.draw import draw_run
 from configs.effects.registry import EFFECTS
 from configs.loader import load_scenario
+from configs.schema.scenario import Scenario
 from configs.validation.json_schema import scenario_json_schema
+from configs.validation.shapes import FullNames, Shape
 from diagnosis.inference.fitting.hypothesis import Hypothesis
 from diagnosis.inference.selection.candidates import candidates
 from diagnosis.measured.measurement import CaseKind
@@ -78,6 +80,15 @@ def test_it_is_a_key_of_the_schema_with_its_bounds(toy):
     with pytest.raises(InputError, match="did you mean leaky_shunt"):
         drawn("robot.effects.leaky_shnt.share=0.1")
     assert toy.name == "leaky_shunt"
+
+
+def test_it_is_all_that_its_loading_changes_in_the_shape_of_a_scenario(toy):
+    """By the schema that pydantic makes of all models at once."""
+    whole = Scenario.model_json_schema(schema_generator=FullNames)
+    shape = Shape.from_model(Scenario)
+    assert whole.pop("$defs") == shape.definitions
+    assert whole == shape.schema
+    assert any(toy.__name__ in name for name in shape.definitions)
 
 
 @pytest.mark.usefixtures("toy")
