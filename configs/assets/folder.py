@@ -56,17 +56,16 @@ def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
 def fields_with_files(shape: Shape) -> frozenset[str]:
     """Return the field paths of a look whose value may be the name of a file, and that of the folder."""
     inner = shape.child("look")
-    shapes = {path: inner.at(path, Node({}, "")) for path in inner.paths()} if inner else {}
-    fields = {dotted(("look", *path)) for path, leaf in shapes.items() if leaf is not None and FILE_KEY in leaf.schema}
-    return frozenset({dotted(_FOLDER), *fields})
+    leaves = inner.leaves_with_files if inner else ()
+    return frozenset({dotted(_FOLDER), *(dotted(("look", *path)) for path, _ in leaves)})
 
 
 def _named(look: Node, shape: Shape) -> Iterator[tuple[FieldPath, AssetKind, tuple[str, ...], Node]]:
     """Yield the fields of the look that take a file: path, kind, shipped names, and the node."""
     inner = shape.child("look")
-    for path in inner.paths() if inner else ():
-        node, leaf = look.at(path), inner.at(path, look) if inner else None
-        if node is not None and node.value is not None and leaf is not None and FILE_KEY in leaf.schema:
+    for path, leaf in inner.leaves_with_files if inner else ():
+        node = look.at(path)
+        if node is not None and node.value is not None:
             yield ("look", *path), leaf.schema[FILE_KEY], tuple(leaf.schema.get("enum", ())), node
 
 

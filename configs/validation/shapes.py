@@ -145,6 +145,12 @@ class Shape:
                 yield from inner.paths((*above, key))
 
     @cached_property
+    def leaves_with_files(self) -> "tuple[tuple[FieldPath, Shape], ...]":
+        """Fields below this shape whose value may be the name of a file."""
+        leaves = ((path, self.at(path, Node({}, ""))) for path in self.paths())
+        return tuple((path, leaf) for path, leaf in leaves if leaf is not None and FILE_KEY in leaf.schema)
+
+    @cached_property
     def top_places(self) -> dict[str, tuple[FieldPath, ...]]:
         """Shortest `paths` that end with each key; cached, because a file may have a thousand unknown keys."""
         places: dict[str, tuple[FieldPath, ...]] = {}
@@ -266,12 +272,14 @@ def with_defaults(node: Node, shape: Shape) -> Node:
     A mapping that sets some fields of a default has the default's values of the others:
     `tape: {paint: {reflectance: 0.1}}` has the tape's tint.
     """
+    if node.complete_for is shape:  # as all but a path of it is, where one field was set
+        return node
     if isinstance(node.value, tuple):
         items = []
         for index, item in enumerate(node.value):
             inner = shape.child(index)
             items.append(with_defaults(item, inner) if inner else item)
-        return Node(tuple(items), node.where)
+        return Node(tuple(items), node.where, complete_for=shape)
     if not isinstance(node.value, dict) or node.is_distribution or shape.is_leaf:
         return node
     here = shape.variant(node)
@@ -282,7 +290,7 @@ def with_defaults(node: Node, shape: Shape) -> Node:
         inner = here.below(key) if isinstance(value.value, dict | tuple) else None
         if inner is not None:
             fields[key] = with_defaults(value, inner)
-    return Node(fields, node.where)
+    return Node(fields, node.where, complete_for=shape)
 
 
 def _with_missing(node: Node, shape: Shape) -> dict[str, Node]:

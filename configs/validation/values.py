@@ -1,6 +1,7 @@
 """Validation of a tree of values and distributions against the schema; all faults are reported, one line each."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -141,18 +142,12 @@ def filled(root: Node, values: Values) -> Any:  # noqa: ANN401 - whatever the fi
 
 def _filled(node: Node, by_key: Mapping[str | int, Any]) -> Any:  # noqa: ANN401 - whatever the file holds
     """Return the plain tree, for reading only: what holds no distribution is the same in all such trees."""
-
-    def below(key: str | int, child: Node) -> Any:  # noqa: ANN401 - whatever the file holds
-        if key not in by_key:
-            return child.plain_for_reading
-        inner = by_key[key]
-        return _filled(child, inner) if isinstance(inner, dict) else inner
-
-    if isinstance(node.value, dict):
-        return {key: below(key, child) for key, child in node.value.items()}
-    if isinstance(node.value, tuple):
-        return [below(index, child) for index, child in enumerate(node.value)]
-    return node.value
+    tree = copy(node.plain_for_reading)
+    for key, value in by_key.items():
+        child = node.child(key)
+        if child is not None:
+            tree[key] = _filled(child, value) if isinstance(value, dict) else value
+    return tree
 
 
 def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[FieldPath, Node, Shape]]:

@@ -1,7 +1,7 @@
 """A configuration as a tree of values that remember where they were written."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -22,6 +22,8 @@ class Node:
     value: "Scalar | dict[str, Node] | tuple[Node, ...]"
     where: str
     """`file:line`, or `--set field.path`."""
+    complete_for: object = field(default=None, compare=False, repr=False)
+    """What it is known to be complete for, at this node and below it, such as a shape by whose defaults it was."""
 
     @property
     def is_distribution(self) -> bool:
@@ -58,7 +60,11 @@ class Node:
     @cached_property
     def plain_for_reading(self) -> Any:  # noqa: ANN401 - whatever the file holds
         """`plain`, made once for all who do not change it."""
-        return self.plain()
+        if isinstance(self.value, dict):
+            return {key: child.plain_for_reading for key, child in self.value.items()}
+        if isinstance(self.value, tuple):
+            return [child.plain_for_reading for child in self.value]
+        return self.value
 
     def plain_at(self, path: FieldPath) -> Any:  # noqa: ANN401 - whatever the file holds
         node = self.at(path)
