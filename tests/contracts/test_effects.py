@@ -92,7 +92,21 @@ UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V",
 UNITS |= {"s": "s", "A": "A", "rad": "rad", "m": "m", "m/K": "m_per_K", "1/m2": "per_m2", "1/klux": "per_klux"}
 UNITS |= {"s2/m": "s2_m", "m/sqrt(m)": "m_sqrt_m", "m/rad": "m_per_rad", "H": "H", "Hz": "Hz"}
 PROBE = Probe()
-CASES = [pytest.param(trial, id=trial.name) for effect in BY_NAME.values() for trial in trials(effect, PROBE)]
+
+
+def is_between(trial):
+    """Whether a parameter that is no number has neither its first nor its last choice: one channel of eight."""
+    options = trial.effect.options()
+    return any(
+        options[name] and choice not in options[name][:1] + options[name][-1:] for name, choice in trial.choices.items()
+    )
+
+
+CASES = [
+    pytest.param(trial, id=trial.name, marks=pytest.mark.long if is_between(trial) else ())
+    for effect in BY_NAME.values()
+    for trial in trials(effect, PROBE)
+]
 
 
 def test_the_effects_are_those_of_the_shared_format():
