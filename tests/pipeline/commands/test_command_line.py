@@ -436,7 +436,7 @@ def test_version_is_that_of_the_project(symolo):
 
 
 def test_a_reader_that_goes_away_is_no_error(symolo):
-    process = symolo.start("schema")
+    process = symolo.start("schema", "--of", "inspect")  # more than the 8 kB after which Python writes
     process.stdout.close()
     with process.stderr as stderr:
         assert stderr.read() == ""
@@ -482,6 +482,7 @@ def test_doctor_names_the_command_that_installs_missing_libraries_and_a_broken_e
 
 
 def test_doctor_compares_with_the_lock_file(symolo, monkeypatch):
+    monkeypatch.setattr("pipeline.doctor._child", lambda _program: (0, "version 4.5.0\n", ""))  # both engines start
     monkeypatch.setattr("pipeline.doctor.locked_versions", lambda: {"scipy": "9.9"})
     ended = symolo("doctor")
     assert ended.code == 5

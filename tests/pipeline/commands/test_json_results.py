@@ -161,6 +161,7 @@ def test_the_content_of_a_log(result):
 
 
 def test_the_checks_of_the_machine(symolo, monkeypatch):
+    monkeypatch.setattr("pipeline.doctor._child", lambda _program: (0, "version 4.5.0\n", ""))  # both engines start
     monkeypatch.setattr("pipeline.doctor.locked_versions", lambda: {"scipy": "9.9"})
     ended = symolo("doctor", "--json")
     document = json.loads(ended.out)

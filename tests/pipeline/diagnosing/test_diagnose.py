@@ -66,17 +66,7 @@ def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, b
 
 @pytest.mark.usefixtures("hands")
 def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo, benches, tmp_path, tiny):
-    out = tmp_path / "weak"
-    ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--json", "--nominal", "nominal")
-    assert ended.code == 0
-    assert json.loads(ended.out) == json.loads((out / "answer.json").read_bytes())
-    robot = f"robot={out / 'extended.yaml'}"
-    driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")
-    assert driven.code == 0, driven.err
-
-
-@pytest.mark.usefixtures("hands")
-def test_the_robot_file_of_a_robot_with_a_sensor_of_ones_own_names_the_file_beside_it(symolo, benches, tmp_path, tiny):
+    """Of a robot with a sensor in a file of the user: the file is copied beside the robot that names it."""
     (tmp_path / "feeler.py").write_text(TOY)
     nominal = tmp_path / "feeling.yaml"
     nominal.write_text(
@@ -84,8 +74,9 @@ def test_the_robot_file_of_a_robot_with_a_sensor_of_ones_own_names_the_file_besi
     )
     out = tmp_path / "weak"
     try:
-        ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--nominal", nominal)
+        ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--json", "--nominal", nominal)
         assert ended.code == 0, ended.err
+        assert json.loads(ended.out) == json.loads((out / "answer.json").read_bytes())
         assert (out / "feeler.py").read_text() == TOY
         robot = f"robot={out / 'extended.yaml'}"
         driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")

@@ -39,24 +39,21 @@ def fitted(folder, blur_px, levels, contrast):
     return fit_look(read, folder / "look", base, floor="concrete", floor_reflectance=None, geometry=GEOMETRY)
 
 
-@pytest.mark.parametrize("levels", [DARK, LIGHT])
-@pytest.mark.parametrize("blur_px", [0.5, 1.3, 2.5])
+CASES = [
+    (0.5, DARK),
+    (2.5, LIGHT),
+    *(pytest.param(*case, marks=pytest.mark.long) for case in ((0.5, LIGHT), (1.3, DARK), (1.3, LIGHT), (2.5, DARK))),
+]
+"""Blur [px] and levels of the photographs."""
+
+
+@pytest.mark.parametrize(("blur_px", "levels"), CASES)
 def test_the_height_of_the_camera_does_not_depend_on_the_blur(blur_px, levels, tmp_path):
     look = fitted(tmp_path, blur_px, levels, 1.0)
     assert camera_height_m(look, GEOMETRY) == pytest.approx(HEIGHT_M, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("blur_px", "levels"),
-    [
-        (0.5, DARK),
-        (2.5, LIGHT),
-        *(
-            pytest.param(*case, marks=pytest.mark.long)
-            for case in ((0.5, LIGHT), (1.3, DARK), (1.3, LIGHT), (2.5, DARK))
-        ),
-    ],
-)
+@pytest.mark.parametrize(("blur_px", "levels"), CASES)
 def test_the_stated_range_contains_the_height_also_with_the_contrast_of_another_camera(blur_px, levels, tmp_path):
     """Photographs do not reveal the contrast; that of `raspberry_pi` is 1.33, and that of these photographs 1."""
     look = fitted(tmp_path, blur_px, levels, 1.33)
