@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blender_scenes.blender_side.shaders import ShaderGraph, material
+from blender_scenes.blender_side.shaders import ShaderGraph, make_materials
 from blender_scenes.blender_side.user_images import UserImages
 from blender_scenes.scene.description import LightPanel, Mesh, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_image
@@ -36,7 +36,7 @@ def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None, *, c
         caustics: Whether gloss and glass throw light on matt surfaces.
     """
     user_images = UserImages(user_files)
-    materials = {surface.name: material(surface, user_images, caustics=caustics) for surface in scene.surfaces}
+    materials = make_materials(scene.surfaces, user_images, caustics=caustics)
     numbers = itertools.count(1)
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)
