@@ -61,21 +61,24 @@ from unittest import mock
 import numpy as np
 out = os.fdopen(os.dup(1), "wb")
 os.dup2(2, 1)
+import bpy
 from blender_scenes.blender_side import build, engine
 from blender_scenes.blender_side.hybrid import floor_maps, images
 from blender_scenes.render.job import RenderJob
-orders, near_width_px, coarser, user_files = json.load(sys.stdin)
+orders, near_width_px, times_coarser, user_files = json.load(sys.stdin)
 if near_width_px:
     mock.patch.object(images, "_NEAR_WIDTH_PX", near_width_px).start()
-for name in ("_IRRADIANCE", "_RELIEF"):
-    tiling = getattr(floor_maps, name)
-    texel_m, core, margin = coarser * tiling.texel_m, tiling.core // coarser, tiling.margin // coarser
-    mock.patch.object(floor_maps, name, replace(tiling, texel_m=texel_m, core=core, margin=margin)).start()
-for job, threads, numbers in orders:
+build.start()
+tilings = {name: getattr(floor_maps, name) for name in ("_IRRADIANCE", "_RELIEF")}
+for (job, threads, numbers), coarser in zip(orders, times_coarser, strict=True):
+    for name, tiling in tilings.items():
+        texel_m, core, margin = coarser * tiling.texel_m, tiling.core // coarser, tiling.margin // coarser
+        setattr(floor_maps, name, replace(tiling, texel_m=texel_m, core=core, margin=margin))
     job = RenderJob.from_json(job)
     by_number = {view.number: view for view in job.frames}
     views = job.frames if numbers is None else [by_number[number] for number in numbers]
-    build.start()
+    # An empty file again; the settings are still those of the factory, and to load these takes five times as long.
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     files = Path(user_files) if user_files else None
     build.build(job.scene, job.camera, files, caustics=job.sampling.paths.caustics)
     with tempfile.TemporaryDirectory() as scratch:
@@ -89,11 +92,15 @@ Order = tuple[RenderJob, int, list[int] | None]
 
 
 def _lights(
-    orders: Sequence[Order], near_width_px: int | None = None, coarser: int = 1, user_files: Path | None = None
+    orders: Sequence[Order],
+    near_width_px: int | None = None,
+    coarser: int | Sequence[int] = 1,
+    user_files: Path | None = None,
 ) -> list[np.ndarray]:
     """Return the linear light (N, H, W, 3) of each order, all rendered in one Blender process."""
     jobs = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
-    sent = json.dumps((jobs, near_width_px, coarser, str(user_files) if user_files else None)).encode()
+    times_coarser = [coarser] * len(orders) if isinstance(coarser, int) else coarser
+    sent = json.dumps((jobs, near_width_px, times_coarser, str(user_files) if user_files else None)).encode()
     done = subprocess.run([sys.executable, "-c", _PROGRAM], input=sent, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()[-2000:]
     rest, lights = np.frombuffer(done.stdout, np.float32), []
@@ -143,15 +150,20 @@ def light_of() -> Callable[..., np.ndarray]:
 
 
 @pytest.fixture(scope="session")
-def lights_of_scenes() -> Callable[..., dict[str, np.ndarray]]:
-    """Linear light (N, P, P, 3) of N views of each of several scenes by name, rendered in one Blender process."""
+def lights_of_scenes() -> Callable[..., list[dict[str, np.ndarray]]]:
+    """Linear light (N, P, P, 3) of N views of each of several scenes by name, under each of several limits of light
+    paths, all rendered in one Blender process."""
 
     def traced(
-        scenes: dict[str, tuple[Scene, Sequence[FrameView]]], pixels: int, focal_px: float, **options: object
-    ) -> dict[str, np.ndarray]:
-        """Render all views of all scenes; the options are those of `_light_job`."""
-        orders = [(_light_job(scene, views, pixels, focal_px, **options), 1, None) for scene, views in scenes.values()]
-        return dict(zip(scenes, _lights(orders), strict=True))
+        scenes: dict[str, tuple[Scene, Sequence[FrameView]]],
+        pixels: int,
+        focal_px: float,
+        paths: Sequence[LightPathLimits] = (LIGHT_PATHS["standard"],),
+    ) -> list[dict[str, np.ndarray]]:
+        """Render all views of all scenes."""
+        jobs = (_light_job(*seen, pixels, focal_px, paths=limits) for limits in paths for seen in scenes.values())
+        lights = iter(_lights([(job, 1, None) for job in jobs]))
+        return [{name: next(lights) for name in scenes} for _ in paths]
 
     return traced
 
@@ -160,15 +172,15 @@ def lights_of_scenes() -> Callable[..., dict[str, np.ndarray]]:
 def lights_of() -> Callable[..., list[np.ndarray]]:
     """Linear light (N, H, W, 3) of each order, all rendered in one Blender process."""
 
-    def traced(*orders: Order, near_width_px: int | None = None, coarser: int = 1) -> list[np.ndarray]:
+    def traced(*orders: Order, near_width_px: int | None = None, coarser: int | Sequence[int] = 1) -> list[np.ndarray]:
         """Render some orders.
 
         Args:
             orders: What is rendered.
             near_width_px: Minimum width of the light image of hybrid rendering, so that pixels of small images share
                 its pixels.
-            coarser: Number of times that the texels of hybrid rendering's light maps are larger; most of the time goes
-                into them.
+            coarser: Number of times that the texels of hybrid rendering's light maps are larger, for all orders or for
+                each; most of the time goes into them.
         """
         return _lights(orders, near_width_px, coarser)
 

@@ -59,7 +59,8 @@ def radiances(lights_of_scenes) -> dict[str, np.ndarray]:
         "floor below glass and a lamp": (_scene(GREY, (PANEL,), pane=True), down),
         "floor below glass and an unseen lamp": (_scene(GREY, (UNSEEN_PANEL,), pane=True), down),
     }
-    return {name: light.mean(axis=(1, 2)) for name, light in lights_of_scenes(scenes, 5, 200.0).items()}
+    (lights,) = lights_of_scenes(scenes, 5, 200.0)
+    return {name: light.mean(axis=(1, 2)) for name, light in lights.items()}
 
 
 def test_a_lamp_lights_the_floor_as_the_inverse_square_says(radiances):
@@ -107,7 +108,7 @@ def seen_in_looks(arena, robot, images_of, tmp_path_factory) -> dict[str, list[n
         config, _ = draw_look(load_section("look", look, ["look.camera.exposure_time_s=0"]), 7, "exposure", 1)
         poses = [(0.55, -0.60, 90), (-0.60, 0.78, 182), (0.30, -1.04, 15)]
         frames = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(poses)]
-        return build_job(arena, robot, config, Render(width_px=96, height_px=72, samples=2), frames, seed=1)
+        return build_job(arena, robot, config, Render(width_px=48, height_px=36, samples=2), frames, seed=1)
 
     folders = {look: tmp_path_factory.mktemp(look) for look in shipped_names("look")}
     images_of({folder: job_of(look) for look, folder in folders.items()})

@@ -135,12 +135,13 @@ SCENES = {
 
 
 @pytest.fixture(scope="module")
-def lights(lights_of_scenes: Callable[..., dict[str, np.ndarray]]) -> dict[str, dict[str, np.ndarray]]:
+def lights(lights_of_scenes: Callable[..., list[dict[str, np.ndarray]]]) -> dict[str, dict[str, np.ndarray]]:
     """Linear light (P, P, 3) of each scene, under each preset."""
     scenes = {name: (scene, [FrameView(1, 0.0, (50.0, 50.0, 0.0), X_WC)]) for name, (scene, X_WC) in SCENES.items()}
+    lights = lights_of_scenes(scenes, PIXELS, FOCAL_PX, list(LIGHT_PATHS.values()))
     return {
-        name: {scene: light[0] for scene, light in lights_of_scenes(scenes, PIXELS, FOCAL_PX, paths=paths).items()}
-        for name, paths in LIGHT_PATHS.items()
+        preset: {name: light[0] for name, light in of_preset.items()}
+        for preset, of_preset in zip(LIGHT_PATHS, lights, strict=True)
     }
 
 

@@ -66,7 +66,7 @@ def images(lights_of) -> dict[str, np.ndarray]:
         "large box": _job(WIDE, BOX, SUN, ()),
         "sheet": _job(replace(SMALL, cy_px=35.5), SHEET, None, (PANEL,)),
     }
-    lights = lights_of(*((job, 1, [1]) for job in jobs.values()), coarser=2)
+    lights = lights_of(*((job, 1, [1]) for job in jobs.values()), coarser=4)
     return {name: light[0].mean(axis=-1) for name, light in zip(jobs, lights, strict=True)}
 
 
