@@ -45,9 +45,14 @@ def test_for_the_processor_blender_is_not_started():
     assert device_for("cpu", asked) == "CPU"
 
 
-def test_blender_is_asked_for_the_cards_of_this_machine():
+@pytest.fixture(scope="module")
+def cards() -> tuple[DeviceKind, ...]:
+    """The kinds of card that Blender lists on this machine."""
+    return devices.listed_gpus()
+
+
+def test_blender_is_asked_for_the_cards_of_this_machine(cards):
     """Whatever this machine has; no machine has both Apple's and NVIDIA's."""
-    cards = devices.listed_gpus()
     assert set(cards) <= set(GPU_KINDS)
     assert not {"METAL", "CUDA"} <= set(cards)
 
@@ -92,8 +97,8 @@ def test_a_blender_that_does_not_start_is_the_machines_fault(tmp_path, monkeypat
         devices.listed_gpus()
 
 
-def test_a_job_for_a_card_that_is_not_there_is_the_machines_fault(arena, robot, tmp_path):
-    absent = next(kind for kind in GPU_KINDS if kind not in devices.listed_gpus())
+def test_a_job_for_a_card_that_is_not_there_is_the_machines_fault(cards, arena, robot, tmp_path):
+    absent = next(kind for kind in GPU_KINDS if kind not in cards)
     pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=-0.5, yaw_rad=np.pi / 2)
     job = build_job(
         arena, robot, LookConfig(name="plain"), Render(width_px=16, height_px=16, samples=1), [pose], seed=1

@@ -9,6 +9,8 @@ import pytest
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.render.probe import LADDER, PROBE, read_decision
 from blender_scenes.render.renderer import render_job
+from blender_scenes.scene.meshes import block, floor
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Surface
 from configs.schema.appearance.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
@@ -20,10 +22,20 @@ FRAME = FramePose(number=1, t_s=0.2, x_m=0.55, y_m=-0.5, yaw_rad=np.pi / 2)
 
 @pytest.fixture(scope="module")
 def folder(arena, robot, tmp_path_factory) -> Path:
-    """Folder of a job that leaves its settings open, as long runs do; its images have so few pixels to cost little."""
+    """Folder of a job that leaves its settings open, as long runs do.
+
+    Its images have few pixels, and its scene is a wall on a mottled floor, to cost little.
+    """
     made = tmp_path_factory.mktemp("probed")
     job = build_job(arena, robot, LookConfig(name="plain"), Render(width_px=24, height_px=18), [FRAME], seed=5)
-    job = replace(job, sampling=replace(job.sampling, probe=True))
+    mottled = Mix(NoiseTexture((30.0, 30.0), (0.3, 0.7)), Color((0.5, 0.45, 0.4)), Color((0.3, 0.3, 0.3)))
+    surfaces = Surface("floor", mottled), Surface("wall", Color((0.7, 0.2, 0.1)))
+    meshes = (
+        floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor"),
+        block("wall", (0.5, 0.2, 0.1), (0.4, 0.05, 0.2), "wall"),
+    )
+    scene = replace(job.scene, surfaces=surfaces, meshes=meshes, robot=())
+    job = replace(job, scene=scene, sampling=replace(job.sampling, probe=True))
     make_folder(made)
     write_file(made / "job.json", job.to_json().encode())
     return made

@@ -65,22 +65,16 @@ def test_every_frame_is_written_reported_and_an_image(rendered):
     assert not np.array_equal(images[0], images[1])
 
 
-def test_the_same_pixels_on_two_threads_in_another_order_and_in_blocks(rendered, job, tmp_path):
-    path = _written(job, tmp_path)
-    last = render_job(path, tmp_path / "images", threads=2, numbers=[3])
-    rest = render_job(path, tmp_path / "images", threads=2, numbers=[2, 1])
-    expected = {f.number: f.sha256 for f in rendered[1].files}
-    assert {f.number: f.sha256 for f in (*last.files, *rest.files)} == expected
-
-
-def test_a_truncated_frame_is_rendered_again_and_the_others_are_left_alone(rendered):
+def test_missing_and_truncated_frames_are_rendered_again_with_the_same_bytes_on_two_threads(rendered):
+    """The others are left alone, so that the last frame follows the first one and not the second."""
     folder, before, _ = rendered
-    broken, whole = folder / "images" / "000002.jpg", folder / "images" / "000003.jpg"
-    data, untouched = broken.read_bytes(), whole.stat().st_mtime_ns
-    broken.write_bytes(data[: len(data) // 2])
-    after = render_job(folder / "job.json", folder / "images", threads=1)
-    assert after.made == 1
-    assert broken.read_bytes() == data
+    missing, whole, broken = (folder / "images" / f.file for f in before.files)
+    data, untouched = [path.read_bytes() for path in (missing, broken)], whole.stat().st_mtime_ns
+    missing.unlink()
+    broken.write_bytes(data[1][: len(data[1]) // 2])
+    after = render_job(folder / "job.json", folder / "images", threads=2)
+    assert after.made == 2
+    assert [path.read_bytes() for path in (missing, broken)] == data
     assert whole.stat().st_mtime_ns == untouched
     assert [f.sha256 for f in after.files] == [f.sha256 for f in before.files]
 
