@@ -3,14 +3,17 @@
 import json
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import typer
 
+from pipeline.work.processors import use_one_thread
 from symolo.core.errors import InputError
 from symolo.core.files.paths import BELOW_CHARS, check_new_path, check_path
 from symolo.core.files.plain_files import FileKind, UnsafeFileError, read_named_file
 from symolo.core.text_enum import TextEnum
+
+Value = TypeVar("Value")
 
 
 def checked_input(path: Path) -> Path:
@@ -24,6 +27,16 @@ def checked_inputs(
 ) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
     """Check the paths of files or folders to read."""
     return [checked_input(path) for path in paths]
+
+
+def in_one_thread(check: Callable[[Value], Value]) -> Callable[[Value], Value]:
+    """Return the same check, which limits the threads of linear algebra in this process before."""
+
+    def checked(value: Value) -> Value:
+        use_one_thread()
+        return check(value)
+
+    return checked
 
 
 def read_input(path: Path, kind: FileKind) -> bytes:

@@ -3,7 +3,7 @@
 import json
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,10 +19,11 @@ from diagnosis.measured.case_files.nominal import NOMINAL
 from diagnosis.measured.holdout import hold_out, select_part
 from diagnosis.measured.measurement import Measurement
 from diagnosis.progress import DiagnosisProgress, Phase, unreported
+from pipeline import user_code
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.diagnosing.made_from import MADE_FROM, MadeFrom
-from pipeline.work.processors import ONE_THREAD
+from pipeline.work.processors import ONE_THREAD, use_one_thread
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Progress
 from symolo.core.child_process import Failed, Finished
@@ -154,9 +155,26 @@ def diagnose_cases(
             if isinstance(event, Retried):
                 stage.say(event.text)
 
+        if alone and not settings.pybullet and not user_code.environment() and use_one_thread():
+            diagnose_here(units[0], on_event)
+            return []
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
+
+
+def diagnose_here(unit: DiagnoseUnit, on_event: Callable[[AnyUnit, AnyEvent], None]) -> None:
+    """Diagnose the only case in this process, as the start of another one takes longer than the fits of a bench.
+
+    Code of the user, which may end its process, and PyBullet, which prints, run in a process of their own.
+
+    Raises:
+        InputError: The case is bad.
+    """
+    from pipeline.work.worker_main import diagnose_case  # noqa: PLC0415 - loads units of other commands
+
+    diagnose_case(unit, lambda share, at=None, text="": on_event(unit, Progress(share=share, at=at, text=text)))
+    on_event(unit, Finished())
 
 
 class PhaseLines:

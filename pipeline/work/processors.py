@@ -3,6 +3,7 @@
 import os
 import platform
 import re
+import sys
 from pathlib import Path
 from types import MappingProxyType
 
@@ -21,9 +22,11 @@ ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "
 On a busy machine, threads also wait for each other at each of many small products."""
 
 
-def use_one_thread() -> None:
-    """Let linear algebra use one thread; it reads the environment when it is loaded, so call this before."""
-    os.environ.update(ONE_THREAD)
+def use_one_thread() -> bool:
+    """Let linear algebra use one thread, and return whether it does; it reads the environment when it is loaded."""
+    if "numpy" not in sys.modules:
+        os.environ.update(ONE_THREAD)
+    return ONE_THREAD.items() <= os.environ.items()
 
 
 def cpu_class() -> str:

@@ -16,6 +16,7 @@ from pipeline.commands.options import (
     checked_input,
     checked_inputs,
     if_given,
+    in_one_thread,
     load_effects,
 )
 from symolo.core.errors import InputError
@@ -32,7 +33,9 @@ def diagnose(
         list[Path],
         typer.Argument(
             metavar="CASE...",
-            callback=checked_inputs,
+            # The check of --out loads NumPy, whose threads must be limited before.
+            is_eager=True,
+            callback=in_one_thread(checked_inputs),
             help="Measured data: case folders, logs, runs of a dataset, or table-1, table-3, table-4 of the paper.",
         ),
     ],

@@ -9,15 +9,8 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import Json, NewFolder, checked_input, load_effects
-from pipeline.work.processors import use_one_thread
+from pipeline.commands.options import Json, NewFolder, checked_input, in_one_thread, load_effects
 from symolo.core.errors import InputError
-
-
-def _in_one_thread(diagnosis: Path) -> Path:
-    """Limit the threads of this process, and return a folder that the user typed, once it is checked."""
-    use_one_thread()
-    return checked_input(diagnosis)
 
 
 def next_trial(
@@ -27,7 +20,7 @@ def next_trial(
             metavar="DIAGNOSIS",
             # The check of --out loads NumPy, whose threads must be limited before.
             is_eager=True,
-            callback=_in_one_thread,
+            callback=in_one_thread(checked_input),
             help="Output folder of `symolo diagnose`, with made_from.json.",
         ),
     ],

@@ -1,7 +1,10 @@
 """`symolo diagnose`: what is written and printed, side by side and alone, and what is refused."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -62,6 +65,20 @@ def test_a_bad_case_is_named_and_the_other_one_is_finished_as_if_alone(symolo, b
     assert files.keys() >= {"answer.json", "extended.yaml", "posterior.yaml", "report.html", "plots/gain.png"}
     assert alone.out.startswith(files["summary.txt"].decode())
     assert files["reasoning.txt"].decode() in alone.out
+
+
+def test_a_case_alone_starts_no_worker_and_uses_one_thread(benches, tmp_path):
+    program = (
+        "import os, sys, pipeline.cli; started = []; "
+        "sys.addaudithook(lambda event, of: started.append(of[0]) if event == 'subprocess.Popen' else None); "
+        "code = pipeline.cli.main(sys.argv[1:]); "
+        "print(os.environ['OPENBLAS_NUM_THREADS'], sys.executable in started, file=sys.stderr); sys.exit(code)"
+    )
+    command = [sys.executable, "-c", program, "diagnose", benches / "weak", "--out", tmp_path / "out", "--json"]
+    several = os.environ | {"OPENBLAS_NUM_THREADS": "3"}
+    ended = subprocess.run(command, capture_output=True, text=True, check=True, env=several)
+    assert ended.stderr.splitlines()[-1] == "1 False"
+    assert json.loads(ended.stdout)["effects"][0]["name"] == "torque_constant_scale"
 
 
 @pytest.mark.usefixtures("hands")

@@ -1,8 +1,14 @@
-"""Frames of one run that were made on several classes of processor: noted, told, and only where they are several."""
+"""Frames of one run that were made on several classes of processor: noted, told, and only where they are several; and
+the threads of linear algebra.
+"""
 
 import json
+import os
+import sys
 
 import pytest
+
+from pipeline.work.processors import ONE_THREAD, use_one_thread
 
 SMALL = ["--set=stop.time_limit_s=0.4", "--set=render.width_px=32", "--set=render.height_px=24", "--workers=1"]
 ONE, OTHER = "x86-64-v8 OneMaker family 1", "x86-64-v9 OtherMaker family 2"
@@ -58,3 +64,13 @@ def test_a_run_of_one_class_is_as_it_was_before_classes_were_noted(made, symolo,
     again = symolo("release", "smoke", "--out", out, *SMALL)
     assert (again.code, (out / "metadata.json").read_bytes()) == (0, before)
     assert ONE not in (out / "bag-info.txt").read_text()
+
+
+@pytest.mark.parametrize("is_loaded", [False, True])
+def test_threads_are_limited_as_long_as_linear_algebra_is_not_loaded(is_loaded, monkeypatch):
+    for name in ONE_THREAD:
+        monkeypatch.setenv(name, "3")
+    if not is_loaded:
+        monkeypatch.delitem(sys.modules, "numpy")
+    assert use_one_thread() is not is_loaded
+    assert {os.environ[name] for name in ONE_THREAD} == {"3" if is_loaded else "1"}
