@@ -3,7 +3,7 @@
 from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -163,6 +163,8 @@ class LookAlone(Section):
     look: LookConfig
 
 
+NOMINAL_ROBOT = "nominal"
+"""Name of the shipped robot that all others differ from."""
 ALONE: Mapping[str, type[ArenaAlone | RobotAlone | LookAlone]] = MappingProxyType(
     {"arena": ArenaAlone, "robot": RobotAlone, "look": LookAlone}
 )
@@ -276,6 +278,16 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
     return _section(
         kind, read_file(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}")), overrides
     )
+
+
+@cache
+def shipped_robot() -> RobotConfig:
+    """Return the shipped robot `nominal`, which draws nothing and has no user's files.
+
+    Its file needs none of what `load_section` does, of which the JSON Schema of all robots takes longest.
+    """
+    path = locate("robot", NOMINAL_ROBOT, folder=Path(), what="robot")
+    return RobotConfig.model_validate(read_file("robot", path).plain())
 
 
 def section_of(kind: str, settings: Mapping[str, Any], where: str, overrides: Sequence[str] = ()) -> LoadedSection:

@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from configs.draw import draw_robot
-from configs.loader import load_section
+from configs.loader import shipped_robot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.cases.drive_checks import CountedWheels, drive_checks
 from diagnosis.measured.case_files.nominal import NominalLog
@@ -19,7 +18,7 @@ def base_robot_of(measurement: Measurement, robot: RobotConfig | None) -> RobotC
     """Return the robot whose parameters the measurement replaces where it defines them; the shipped one by default."""
     if isinstance(measurement.nominal, NominalLog):
         return measurement.nominal.robot
-    return robot or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
+    return robot or shipped_robot()
 
 
 def nominal_of(measurement: Measurement, base_robot: RobotConfig) -> RobotConfig:

@@ -15,10 +15,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from configs.checks.robot import robot_faults
-from configs.draw import draw_robot
 from configs.effects.base import Effect
 from configs.effects.registry import EFFECTS
-from configs.loader import load_section
+from configs.loader import NOMINAL_ROBOT as BASE
+from configs.loader import shipped_robot
 from configs.schema.code_file import CodeFile
 from configs.schema.effect_range import EffectRange
 from configs.schema.robot import RobotConfig
@@ -31,7 +31,6 @@ from diagnosis.nominal_robot import PLAIN_RANGE
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
-BASE = "nominal"
 FILE = "extended.yaml"
 DIGITS = 7
 """Digits of a number in the file; the last is far below any standard error."""
@@ -234,8 +233,7 @@ def _slug(name: str) -> str:
 
 
 def _difference(config: RobotConfig) -> dict[str, Any]:
-    base, _ = draw_robot(load_section("robot", BASE), 0, "diagnosis")
-    return difference_of(plain_tree(config), plain_tree(base))
+    return difference_of(plain_tree(config), plain_tree(shipped_robot()))
 
 
 def difference_of(tree: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from math import exp, log
 import numpy as np
 
 from configs.effects.registry import EFFECTS
-from configs.loader import RobotAlone
+from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from configs.validation.shapes import Shape
 from diagnosis.extended_robot import leaf_paths, plain_tree
@@ -24,7 +24,7 @@ from diagnosis.inference.fitting.hypothesis import POSITIVE_TOLERANCES, Hypothes
 from diagnosis.measured.channel import Mask
 from diagnosis.nuisances import UNITS
 from symolo.core.arrays import Array
-from symolo.core.yaml.tree import FieldPath, Node, node_of
+from symolo.core.yaml.tree import FieldPath
 
 ROUNDING = 1e-9
 """Element of the factor relative to its row, below which it is a rounding error."""
@@ -91,7 +91,7 @@ def robot_numbers(fit: HypothesisFit, config: RobotConfig) -> RobotNumbers:
     uncertain = np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian) > 0.0
     lost = [path for k, path in enumerate(here) if not uncertain[k] and (jacobian[k, open_] != 0.0).any()]
     chosen = np.flatnonzero(uncertain).tolist()
-    numbers = tuple(_number(here[k], float(values[k]), is_log=bool(logs[k]), tree=simulated) for k in chosen)
+    numbers = tuple(_number(here[k], float(values[k]), is_log=bool(logs[k])) for k in chosen)
     return RobotNumbers(numbers, _triangular(jacobian[chosen] @ _root(covariance)), tuple(lost))
 
 
@@ -139,10 +139,8 @@ def _is_log(hypothesis: Hypothesis) -> Mask:
     return np.array([*nuisances, *effects]) > 0
 
 
-def _number(path: FieldPath, value: float, *, is_log: bool, tree: Mapping[str, object]) -> RobotNumber:
-    root = Node({"robot": node_of(dict(tree), "")}, "")
-    shape = Shape.from_model(RobotAlone).at(("robot", *path), root)
-    schema = shape.schema if shape else {}
+def _number(path: FieldPath, value: float, *, is_log: bool) -> RobotNumber:
+    schema = shape.schema if (shape := _shape(path)) else {}
     low = float(schema.get("minimum", schema.get("exclusiveMinimum", -np.inf)))
     high = float(schema.get("maximum", schema.get("exclusiveMaximum", np.inf)))
     inside = min(max(value, low), high)
@@ -150,6 +148,18 @@ def _number(path: FieldPath, value: float, *, is_log: bool, tree: Mapping[str, o
     return RobotNumber(
         path, _unit(path), is_log, log(inside) if is_log else inside, max(low, 0.0) if is_log else low, high
     )
+
+
+def _shape(path: FieldPath) -> Shape | None:
+    """Return what is allowed for a number, by the schema of its section, as that of the whole robot takes long."""
+    is_of_effect = path[0] == "effects"
+    section = EFFECTS.by_name()[str(path[1])] if is_of_effect else RobotConfig.model_fields[str(path[0])].annotation
+    if not isinstance(section, type) or not issubclass(section, Section):
+        return None
+    shape: Shape | None = Shape.from_model(section)
+    for key in path[2:] if is_of_effect else path[1:]:
+        shape = shape.below(key) if shape else None
+    return shape
 
 
 def _unit(path: FieldPath) -> str:

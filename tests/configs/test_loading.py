@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from configs.draw import draw_run
-from configs.loader import LoadedScenario, load_scenario, load_section
+from configs.draw import draw_robot, draw_run
+from configs.loader import LoadedScenario, load_scenario, load_section, shipped_robot
 from configs.references import locate
 from symolo.core.errors import InputError
 
@@ -35,6 +35,10 @@ def test_a_distribution_replaces_another_as_a_whole():
     Path("base.yaml").write_text("extends: trial.yaml\nlook: {sun: {elevation_deg: {uniform: [20, 30]}}}\n")
     scenario = loaded("extends: base.yaml\nlook: {sun: {elevation_deg: {normal: [30, 1]}}}\n")
     assert scenario.tree["look"]["sun"]["elevation_deg"] == {"normal": [30, 1]}
+
+
+def test_the_shipped_robot_is_the_one_that_is_loaded_and_drawn():
+    assert shipped_robot() == draw_robot(load_section("robot", "nominal"), 0, "bench")[0]
 
 
 def test_a_section_mapping_lies_over_the_section_that_is_extended():
