@@ -196,6 +196,5 @@ def with_values(robot: RobotConfig, values: Iterable[tuple[Nuisance, Number]]) -
             sections.setdefault(change.section, {})[change.key] = change.factor * value
         else:
             robot = change(robot, value)
-    for section, changed in sections.items():
-        robot = robot.with_section(section, changed)
-    return robot
+    copies = {name: getattr(robot, name).model_copy(update=changed) for name, changed in sections.items()}
+    return robot.model_copy(update=copies) if copies else robot

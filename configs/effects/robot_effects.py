@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeVar
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -26,6 +27,12 @@ class UnloadedEffect:
     """File that defines it."""
 
 
+@cache
+def _places(effects: tuple[type[Effect], ...]) -> dict[type[Effect], int]:
+    """Return the place of each effect in the table; cached, because a diagnosis makes thousands of robots."""
+    return {effect: place for place, effect in enumerate(effects)}
+
+
 @dataclass(frozen=True)
 class RobotEffects:
     """Immutable collection of effects, in the order in which they act, whatever the order in a file."""
@@ -36,7 +43,7 @@ class RobotEffects:
 
     def __post_init__(self) -> None:
         if len(self.members) > 1:
-            place = {effect: place for place, effect in enumerate(EFFECTS.classes())}
+            place = _places(EFFECTS.classes())
             # An effect that is in no table yet, such as a law that a diagnosis tries, acts last.
             order = sorted(self.members, key=lambda effect: place.get(type(effect), len(place)))
             object.__setattr__(self, "members", tuple(order))
@@ -78,12 +85,15 @@ class RobotEffects:
 
     def with_effect(self, effect: Effect) -> "RobotEffects":
         """Return these effects and one more, which replaces one of its class."""
-        others = self.without(effect.name)
-        return RobotEffects((*others, effect), others.unloaded)
+        members, unloaded = self._others(effect.name)
+        return RobotEffects((*members, effect), unloaded)
 
     def without(self, name: str) -> "RobotEffects":
         """Return these effects without the one of this name."""
-        return RobotEffects(
+        return RobotEffects(*self._others(name))
+
+    def _others(self, name: str) -> tuple[tuple[Effect, ...], tuple[UnloadedEffect, ...]]:
+        return (
             tuple(member for member in self.members if member.name != name),
             tuple(effect for effect in self.unloaded if effect.name != name),
         )

@@ -4,7 +4,7 @@ Most robots of a fit differ in one number each, and most numbers act on one of s
 sensor moves no wheel. Later fits often begin where earlier ones ended.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ is several thousand predictions earlier."""
 
 Key = tuple[object, ...]
 """All that acts on a stage, one value after the other."""
+PLAIN = frozenset({float, int, str, bool, type(None)})
+"""Types without values inside."""
 
 
 def distinct(
@@ -83,19 +85,24 @@ class KnownPredictions:
 
 
 def _key(robot: RobotConfig, parts: Collection[str], slots: Collection[Slot]) -> Key:
-    return tuple(_values([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)]))
+    key: list[object] = []
+    _append([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)], key)
+    return tuple(key)
 
 
-def _values(nested: Collection[object]) -> Iterator[object]:
-    """Yield nested values one by one, each section after its type."""
+def _append(nested: Iterable[object], key: list[object]) -> None:
+    """Append nested values one by one, each section after its type."""
     for value in nested:
-        if isinstance(value, Section):
-            yield type(value)
-            yield from _values(vars(value).values())
+        # Nearly all values are numbers and texts, and there are millions.
+        if type(value) in PLAIN:
+            key.append(value)
+        elif isinstance(value, Section):
+            key.append(type(value))
+            _append(vars(value).values(), key)
         elif isinstance(value, list | tuple):
-            yield len(value)
-            yield from _values(value)
+            key.append(len(value))
+            _append(value, key)
         elif isinstance(value, dict):
-            yield from _values([each for item in sorted(value.items()) for each in item])
+            _append([each for item in sorted(value.items()) for each in item], key)
         else:
-            yield value
+            key.append(value)

@@ -66,17 +66,22 @@ class GuidedPoses:
     def at(self, delay_s: float | Array) -> Array:
         """Return the poses (..., n, 3) a delay before the times of their rows; delays as of `earlier`.
 
-        Most robots have the delay of the one before, so its poses are remembered.
+        Most robots have the delay of the one before, so its poses are remembered; of several robots, all but one or two
+        have the same delay.
         """
+        if np.ndim(delay_s) > 1:
+            different, which = np.unique(delay_s, axis=0, return_inverse=True)
+            return self._earlier(different)[which]
         key = np.asarray(delay_s).tobytes()
-        if np.ndim(delay_s) > 1 or key != self._known[0]:
-            path = earlier(self._path, self._t_s, self._trials, delay_s)
-            poses = path + self._smoothed(self._drift, self.is_right, delay_s)
+        if key != self._known[0]:
+            poses = self._earlier(delay_s)
             poses.flags.writeable = False
-            if np.ndim(delay_s) > 1:
-                return poses
             self._known = key, poses
         return self._known[1]
+
+    def _earlier(self, delay_s: float | Array) -> Array:
+        path = earlier(self._path, self._t_s, self._trials, delay_s)
+        return path + self._smoothed(self._drift, self.is_right, delay_s)
 
     def _smoothed(self, values: Array, trusted: Mask, delay_s: float | Array) -> Array:
         return smoothed_earlier(values, self._t_s, self._trials, delay_s, trusted)

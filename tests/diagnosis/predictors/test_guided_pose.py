@@ -63,3 +63,11 @@ def test_no_delay_has_less_noise_than_another(drive):
         errors.append(float(np.std(np.array(off)[:, 10:-10])))
     assert errors[1] == pytest.approx(errors[0], rel=0.06)
     assert errors[0] < 0.7 * 0.002
+
+
+def test_robots_with_several_delays_have_the_poses_of_each_delay_alone(drive):
+    pose, steps = drive
+    poses = GuidedPoses(pose, LOGGED, TIMES, [ROWS], steps, NOISE)
+    delays_s = [0.03, 0.0, 0.03, 0.011]
+    of_all = poses.at(np.array(delays_s)[:, None])
+    np.testing.assert_array_equal(of_all, np.stack([poses.at(delay_s) for delay_s in delays_s]))
