@@ -22,13 +22,15 @@ def predictive_plot(checks: Sequence[CheckedStatistic]) -> bytes:
     set_margins(figure, len(names), left_in=left_in, bottom_in=0.5, top_in=0.3, between_in=0.15)
     panels = figure.subplots(1, len(names), squeeze=False, sharey=True).ravel()
     for axes, name in zip(panels, names, strict=True):
-        for each in (each for each in checks if each.name == name):
-            row = labels.index(f"{each.quantity}, {each.rows}")
-            low, middle, high = each.quantiles
-            axes.plot([low, high], [row, row], color=PALE, linewidth=7, solid_capstyle="butt", zorder=1)
-            axes.plot([middle], [row], "|", color="white", markersize=9, zorder=2)
-            colour = VERMILION if each.is_outside else MEASURED
-            axes.plot([each.measured], [row], "x" if each.is_outside else "o", color=colour, markersize=5, zorder=3)
+        shown = [each for each in checks if each.name == name]
+        rows = np.array([labels.index(f"{each.quantity}, {each.rows}") for each in shown])
+        low, middle, high = np.array([each.quantiles for each in shown]).T
+        # One artist for all rows takes a fraction of the time of one for each.
+        axes.hlines(rows, low, high, color=PALE, linewidth=7, zorder=1)
+        axes.plot(middle, rows, "|", color="white", markersize=9, zorder=2)
+        measured, is_outside = (np.array([getattr(each, key) for each in shown]) for key in ("measured", "is_outside"))
+        for some, marker, colour in ((~is_outside, "o", MEASURED), (is_outside, "x", VERMILION)):
+            axes.plot(measured[some], rows[some], marker, color=colour, markersize=5, zorder=3)
         finished(axes, name, "[sd of the noise]" if name in IN_SD else "", "", legend=False)
     panels[0].set_yticks(np.arange(len(labels)).tolist(), labels, fontsize="small")
     panels[0].set_ylim(len(labels) - 0.5, -0.5)

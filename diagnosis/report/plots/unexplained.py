@@ -10,11 +10,11 @@ from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Observed
 from diagnosis.predictors.wheels.floor_loads import FRICTION
-from diagnosis.report.plots.panels import residual_panel
+from diagnosis.report.plots.panels import label_below, residual_panel
 from diagnosis.report.report_data import ReportData
 from diagnosis.report.sentences.quantities import listed
 from symolo.core.arrays import Array
-from symolo.pages.plotting import PURPLE, png
+from symolo.pages.plotting import PURPLE, png, set_margins
 
 SIZE_IN = (7.2, 3.4)
 MAP_SIZE_IN = (4.8, 3.8)
@@ -23,14 +23,18 @@ MAP_SIZE_IN = (4.8, 3.8)
 def unexplained_plot(data: ReportData, structure: Structure) -> bytes:
     """Return the residuals of the readings with the named effects, along the covariate of a structure, as PNG."""
     covariate, residuals, holdout = shown_residuals(data.diagnosis, structure)
-    figure = Figure(figsize=SIZE_IN if covariate.second is None else MAP_SIZE_IN, layout="constrained")
+    is_map = covariate.second is not None
+    figure = Figure(figsize=MAP_SIZE_IN if is_map else SIZE_IN, layout="constrained" if is_map else None)
+    direction = "\nin the direction of motion," if structure.what.startswith(FRICTION) else ""
+    if not is_map:
+        below_in = 0.31 + 0.19 * (label_below(covariate).count("\n") + 1)
+        set_margins(figure, 1, left_in=0.92, bottom_in=below_in, top_in=0.5 if direction else 0.3)
     axes = figure.subplots()
     residual_panel(axes, covariate, residuals, holdout, PURPLE)
-    if covariate.second is None:
+    if not is_map:
         axes.set_ylabel("measured - predicted [σ]")
-    direction = "\nin the direction of motion," if structure.what.startswith(FRICTION) else ""
     title = f"{listed(structure.quantities)}: residuals{direction} along {structure.covariate}"
-    axes.set_title(title, fontsize="medium")
+    axes.set_title(title, fontsize="medium", y=1.0)
     return png(figure)
 
 
