@@ -90,6 +90,13 @@ class LogFile:
             raise InputError(f"column {name}", where=where, got=got, allowed="a number, since it is a time", cure=cure)
         return values
 
+    def signs(self, name: str, backwards: Sequence[str | float]) -> Array:
+        """Return -1 for each cell (N,) of a column that has one of these words or numbers, and 1 for the others."""
+        texts = {value.lower() for value in backwards if isinstance(value, str)}
+        numbers = {value for value in backwards if not isinstance(value, str)}
+        cells = self.columns[name]
+        return np.array([-1.0 if cell.lower() in texts or number_of(cell) in numbers else 1.0 for cell in cells])
+
     def _number(self, cell: str) -> float:
         """Return the number in a cell; NaN if it is missing, and infinity if it is anything else."""
         if not cell or NO_NUMBER.fullmatch(cell):

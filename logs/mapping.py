@@ -50,6 +50,10 @@ class Source(Section):
     """Number added to the values in our unit, such as a place in a room whose corner is not the origin of the log."""
     times: str = ""
     """Column by whose values in the same rows a duty cycle is multiplied, such as the voltage of the battery."""
+    direction: str = ""
+    """Column by whose values in the same rows a duty cycle or a voltage without a sign becomes negative."""
+    backwards: Annotated[tuple[str | float, ...], FromList] = ()
+    """Values of that column with which it becomes negative, such as `B` or 0."""
     time_offset_s: float = Field(default=0.0, ge=-10, le=10)
     """Time by which the values were measured later than the time of their row."""
     held: Literal["", "after_row", "before_row"] = ""
@@ -65,6 +69,8 @@ class Source(Section):
         """Source in a few words, such as `x_mm, in mm`."""
         factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
         times = f", times {self.times}" if self.times else ""
+        where = f" where {self.direction} is {' or '.join(map(str, self.backwards))}" if self.backwards else ""
+        times += f", negative{where}" if where else ""
         offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
         held = {"after_row": ", held to the next row", "before_row": ", held from the row before"}.get(self.held, "")
         quaternion = f"the quaternion {', '.join(self.quaternion)}" if self.quaternion else ""
@@ -76,7 +82,11 @@ class Source(Section):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of all columns from which the values come."""
-        return tuple(filter(None, (self.column, *self.quaternion, self.nanoseconds, self.microseconds, self.times)))
+        return tuple(
+            filter(
+                None, (self.column, *self.quaternion, self.nanoseconds, self.microseconds, self.times, self.direction)
+            )
+        )
 
     @property
     def fraction(self) -> tuple[str, str]:
@@ -84,7 +94,7 @@ class Source(Section):
         return ("microseconds", self.microseconds) if self.microseconds else ("nanoseconds", self.nanoseconds)
 
     def numbers(self, log: LogFile) -> Array:
-        """Return the numbers (N,) of the column, times those of the other column if there is one; NaN if missing.
+        """Return the numbers (N,) of the column, NaN if missing, with the sign and times the numbers of other columns.
 
         Those of a quaternion are headings [rad], and those of a column with parts of a second are times [s].
 
@@ -97,6 +107,8 @@ class Source(Section):
         if self.fraction[1]:
             return self.times_of(log)
         numbers = log.numbers(self.column)
+        if self.direction:
+            numbers = numbers * log.signs(self.direction, self.backwards)
         return numbers * log.numbers(self.times) if self.times else numbers
 
     def times_of(self, log: LogFile) -> Array:
@@ -197,8 +209,7 @@ def check_mapping(mapping: LogMapping, kind: LogKind, log: LogFile, where: str) 
                 what = "per_row and wraps_at are for counts of encoders"
                 raise InputError(what, where=place, allowed=", ".join(COUNTED))
             _check_offset(name, source.offset, place, is_measured=name in kind.scales and name not in COUNTED)
-            if source.times and name not in VOLTAGES:
-                raise InputError("times is for voltages", where=place, allowed=", ".join(VOLTAGES))
+            _check_voltage(name, source, place)
             if source.held and name not in kind.held:
                 what = "held is for the voltages of a drive or of a step log"
                 raise InputError(what, where=place, allowed=", ".join(VOLTAGES))
@@ -233,6 +244,16 @@ def _check_combined(name: str, source: Source, where: str) -> None:
         raise InputError(
             f"{unit} are added to seconds", where=where, cure=f"leave unit out, or write unit: {alone} alone"
         )
+
+
+def _check_voltage(name: str, source: Source, where: str) -> None:
+    """Refuse the columns beside a duty cycle for anything but a voltage, and a sense without its column."""
+    for field in ("times", "direction", "backwards"):
+        if getattr(source, field) and name not in VOLTAGES:
+            raise InputError(f"{field} is for voltages", where=where, allowed=", ".join(VOLTAGES))
+    if source.backwards and not source.direction:
+        cure = "name the column with these values as direction"
+        raise InputError("backwards without direction", where=where, cure=cure)
 
 
 def _check_offset(name: str, offset: float, where: str, *, is_measured: bool) -> None:
@@ -312,6 +333,7 @@ def mapping_text(mapping: LogMapping, kind: LogKind, log: LogFile, command: Sequ
         "# offset: number added to the values in our unit, such as to x_m if the corner of a room is not the origin.",
         "# quaternion: columns of x, y, z and w, in place of column. nanoseconds: column that is added to seconds.",
         "# times: column of the voltage by which a duty cycle is multiplied, row by row.",
+        "# direction: column of the sense of a voltage without a sign. backwards: its values with a negative voltage.",
         "# time_offset_s: time by which the values were measured later than the time of their row.",
         "# held: after_row if each voltage is held from its row to the next, before_row if since the row before.",
         "# per_row: true, if ticks start from zero in each row. wraps_at: ticks at which a counter begins again.",

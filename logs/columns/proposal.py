@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from logs.columns.combined import quaternion_columns
+from logs.columns.direction import mark_directions
 from logs.columns.drive import COUNTED, PER_ROW
 from logs.columns.missing import missing
 from logs.columns.quantity import CLOCKWISE, DUTY, SENSE, LogKind, QuantityScale
@@ -88,6 +89,9 @@ def propose_as(
             sources[name] = source.model_copy(update={"factor": sense * source.factor})
     faults.check()
     _mark_per_row(log, sources, warnings)
+    with faults.noted():
+        mark_directions(log, sources, warnings, kind)
+    faults.check()
     mapping = {"kind": kind.name, "header": log.names, "columns": sources}
     return Proposal(LogMapping.model_validate(mapping), tuple(warnings))
 

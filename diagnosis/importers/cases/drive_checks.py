@@ -12,6 +12,7 @@ from diagnosis.measured.measurement import CHECK, Measurement, Trial
 from diagnosis.measured.pose_by_ticks import MIN_SHARE, PoseByTicks, pose_by_ticks
 from logs.columns.drive import COUNTED
 from logs.counts import jump_note
+from logs.mapping import MAPPING
 from logs.times import gap_note
 from symolo.core.arrays import Array
 
@@ -19,6 +20,9 @@ MIN_GAP_STEPS = 10.0
 """Smallest gap that is noted, in usual steps: half a second."""
 FAR_OFF = 1.4
 """Ratio of the distances of pose and wheels from which on a number of the wheels is wrong; no wheel slips as much."""
+DRIVEN, MIN_BACKWARD_ROWS = 0.3, 10
+"""Share of the largest voltage, and of the usual speed at such voltages, from which on a wheel is driven, and rows in
+which it turns backwards all the same that no push explains."""
 EDGES = (2.0, 4.0)
 """Counts per pulse of an encoder, by how many edges of its two channels are counted."""
 
@@ -65,6 +69,7 @@ def drive_checks(
     if contradictions:
         return
     signs = list(_voltage_notes(measurement, agree_with_pose=moved is not None and moved.is_explained))
+    signs = signs or list(_sign_notes(measurement))
     yield from signs
     travel = list(_travel_note(wheels, moved)) if moved is not None else []
     yield from travel
@@ -97,6 +102,28 @@ def _voltage_notes(measurement: Measurement, *, agree_with_pose: bool) -> Iterat
             yield (
                 f"{CHECK} {voltage} and {ticks}: the {side} wheel turns against its voltage; {cure}, or exchange left "
                 "and right if both wheels do so"
+            )
+
+
+def _sign_notes(measurement: Measurement) -> Iterator[str]:
+    """Yield a note for each wheel that turns backwards at voltages that are never below zero."""
+    for side in ("left", "right"):
+        voltage, ticks = f"u_{side}_V", f"enc_{side}_ticks"
+        if not measurement.has(voltage, ticks):
+            continue
+        rows = np.concatenate([_held_and_moved(trial, voltage, ticks) for trial in measurement.trials])
+        u_V, moved = rows[np.isfinite(rows).all(axis=1)].T
+        if not len(u_V) or u_V.min() < 0.0:
+            continue
+        # Driven clearly, and as fast as usual: a wheel that is pushed back or rolls on is neither.
+        is_driven = u_V > DRIVEN * u_V.max()
+        fast = DRIVEN * float(np.median(np.abs(moved[is_driven]))) if is_driven.any() else np.inf
+        back = np.count_nonzero(is_driven & (moved < -max(fast, 1.0)))
+        if back >= MIN_BACKWARD_ROWS:
+            yield (
+                f"{CHECK} {voltage} is never below 0, but the {side} wheel turns backwards in {back} rows that have a"
+                f" voltage: the log has it without its sign; name the column that states the sense as direction in"
+                f" {MAPPING}, with its values backwards: [VALUE]"
             )
 
 
