@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
+from logs.clock_times import CLOCK_TIMES, seconds_of
+from logs.log_lines import SEPARATORS, cells_in, with_plain_numbers, with_tabs
 from logs.recognition import MAX_TITLES
-from logs.units.names import NO_UNIT, unit_of_cell, with_unit
+from logs.units.names import NO_UNIT, taken_apart, unit_of_cell, with_unit
 from symolo.core.arrays import Array
 from symolo.core.errors import FaultList, InputError
 from symolo.core.files.text_file import read_text
 from symolo.core.progress import plural
-from symolo.core.tables.table import NO_NUMBER, cells_of, number_of
+from symolo.core.tables.table import NO_NUMBER, number_of
 
-SEPARATORS = (",", ";", "\t")
 MAX_HEADER_ROWS = 2
 """Most rows of words below the header, such as units and symbols."""
 MIN_UNITS = 2
@@ -31,6 +32,8 @@ class LogFile:
     columns: Mapping[str, tuple[str, ...]]
     """(N,) cells of each column."""
     has_decimal_commas: bool
+    clocks: frozenset[str] = frozenset()
+    """Columns that the file has as times of day or dates, here as seconds since the first one."""
     notes: tuple[str, ...] = ()
     """Unusual parts of the file that were read all the same, in one sentence each."""
     header_row: int = 1
@@ -87,7 +90,10 @@ class LogFile:
             more = f"; rows without a time: {len(wrong)}" if len(wrong) > 1 else ""
             where, got = self.where(wrong[0]), self.columns[name][wrong[0]]
             cure = f"remove each row whose time is not known{more}"
-            raise InputError(f"column {name}", where=where, got=got, allowed="a number, since it is a time", cure=cure)
+            if len(wrong) == len(values):
+                cure = f"write the times in such a form; no row of this column has one: {len(wrong)} rows"
+            allowed = f"a number, since it is a time; or in all rows {CLOCK_TIMES}"
+            raise InputError(f"column {name}", where=where, got=got, allowed=allowed, cure=cure)
         return values
 
     def signs(self, name: str, backwards: Sequence[str | float]) -> Array:
@@ -106,11 +112,12 @@ class LogFile:
 
 
 def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
-    """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of.
+    """Read a log whose cells are separated by commas, semicolons or tabs, whichever the header has most of, or spaces.
 
-    In a file with semicolons, decimals may have a comma. Quotes around a cell are left out, as are comments above the
-    header, empty lines at the end and a last row that is cut off. A row of units below the header becomes a part of the
-    names: `x` with `cm` below it is the column `x [cm]`.
+    Decimals may have a comma, in a file with commas as separators only in quotes. Quotes around a cell are left out, as
+    are comments above the header, empty lines at the end and a last row that is cut off. A row of units below the
+    header becomes a part of the names: `x` with `cm` below it is the column `x [cm]`. Times of day and dates become
+    seconds.
 
     Args:
         path: The file.
@@ -119,8 +126,8 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     Raises:
         InputError: The file is no such table; the message names every row that has too few or too many cells.
     """
-    text = read_text(path)
-    lines, notes = list(text.lines), list(text.notes)
+    text = read_text(path, of_any_encoding=True)
+    lines, notes = with_tabs(text.lines), list(text.notes)
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
     above = _first_row(lines) if names else _comments(lines)
@@ -130,7 +137,7 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     first_row = above + (1 if names else 2)
     separator, header = _header_of(lines[above].lstrip("# "), names, f"{path}: row {above + 1}")
     below = [lines[first_row - 1].lstrip("# "), *lines[first_row:]] if len(lines) >= first_row else []
-    rows = [[cell.strip('"') for cell in cells_of(line, separator)] for line in below]
+    rows = [cells_in(line, separator) for line in below]
     words = _header_rows(header, rows)
     for row in words:
         if _are_units(row, rows[len(words)]):
@@ -147,10 +154,19 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     _check_rows(rows, header, first_row, path, above + 1)
     if not rows:
         raise InputError("has no rows below the header", where=str(path))
+    has_decimal_commas = separator != ","
+    if separator == ",":
+        rows, has_decimal_commas = with_plain_numbers(rows, str(path))
+    columns = {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name}
+    clocks = _clocks(columns)
+    notes += [
+        f"{path.name}: column {name} has times of day, and is read as seconds since its first one" for name in clocks
+    ]
     return LogFile(
         path,
-        {name: tuple(row[i] for row in rows) for i, name in enumerate(header) if name},
-        has_decimal_commas=separator == ";",
+        columns | clocks,
+        has_decimal_commas=has_decimal_commas,
+        clocks=frozenset(clocks),
         notes=tuple(notes),
         header_row=0 if names else above + 1,
         first_row=first_row,
@@ -165,12 +181,18 @@ def _header_of(line: str, names: Sequence[str], where: str) -> tuple[str, list[s
     """
     if not names:
         separator = _separator(line)
-        header = [cell.strip('"') for cell in cells_of(line, separator)]
+        header = cells_in(line, separator)
     else:
         separator, header = _separator_for(names, line), list(names)
-        _check_names(names, cells_of(line, separator), where)
+        _check_names(names, cells_in(line, separator), where)
     _check_header(header, where)
     return separator, header
+
+
+def _clocks(columns: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    """Return the columns with times of day or dates, as seconds; a name with a unit is that of numbers."""
+    seconds = {name: seconds_of(cells) for name, cells in columns.items() if taken_apart(name).unit in {"", "s"}}
+    return {name: cells for name, cells in seconds.items() if cells}
 
 
 def _check_rows(
@@ -204,9 +226,9 @@ def _titles(lines: Sequence[str]) -> int:
         header, separator = lines[number], _separator(lines[number])
         if not header.strip() or any(map(_is_number, _pieces(header))):
             continue
-        titles = [len(cells_of(line.rstrip(separator), separator)) for line in lines[:number] if line.strip()]
-        count = len(cells_of(header, separator))
-        is_header = not {count, len(cells_of(header.rstrip(separator), separator))} & {*titles}
+        titles = [len(cells_in(line.rstrip(separator), separator)) for line in lines[:number] if line.strip()]
+        count = len(cells_in(header, separator))
+        is_header = not {count, len(cells_in(header.rstrip(separator), separator))} & {*titles}
         if titles and is_header and _fit(lines[number + 1 :], separator, count):
             return number
     return 0
@@ -215,7 +237,7 @@ def _titles(lines: Sequence[str]) -> int:
 def _fit(lines: Sequence[str], separator: str, count: int) -> bool:
     """Return whether all lines have a number of cells, or a separator behind these; the last one may be cut off."""
     for line in filter(str.strip, lines):
-        cells = cells_of(line, separator)
+        cells = cells_in(line, separator)
         is_cut_off = line is lines[-1] and len(lines) > 1 and len(cells) < count
         if len(cells) != count and not (len(cells) == count + 1 and not cells[-1]) and not is_cut_off:
             return False

@@ -69,8 +69,7 @@ class Source(Section):
         """Source in a few words, such as `x_mm, in mm`."""
         factor = f", times {self.factor:g}" if self.factor != 1.0 else ""
         times = f", times {self.times}" if self.times else ""
-        where = f" where {self.direction} is {' or '.join(map(str, self.backwards))}" if self.backwards else ""
-        times += f", negative{where}" if where else ""
+        times += f", negative where {self.direction} is {self.backwards_text}" if self.backwards else ""
         offset = f", {'plus' if self.offset > 0.0 else 'minus'} {abs(self.offset):g}" if self.offset else ""
         held = {"after_row": ", held to the next row", "before_row": ", held from the row before"}.get(self.held, "")
         quaternion = f"the quaternion {', '.join(self.quaternion)}" if self.quaternion else ""
@@ -78,6 +77,11 @@ class Source(Section):
         stamp = f" and {unit} {column}" if column else ""
         what = f"{quaternion or self.column or self.constant}{stamp}"
         return f"{what}{f', in {self.unit}' if self.unit else ''}{factor}{times}{offset}{held}"
+
+    @property
+    def backwards_text(self) -> str:
+        """Values of the column of the direction that mean backwards, such as `0 or 2`."""
+        return " or ".join(value if isinstance(value, str) else f"{value:g}" for value in self.backwards)
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -1,9 +1,12 @@
 """Looks at the beginning of files, by which their kind is recognised; nothing here raises an error."""
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 from pathlib import Path
 
 from symolo.core.files.plain_files import open_named_file
+from symolo.core.files.text_file import UTF_16_MARKS
+from symolo.core.tables.table import number_of
 
 MAX_COMMENTS = 100
 """Lines of comments above a header that are skipped."""
@@ -71,12 +74,25 @@ def has_separator_below_title(path: Path, separators: Sequence[str]) -> bool:
     return is_text and any(separator in row for row in rows[: MAX_TITLES + 1] for separator in separators)
 
 
+def has_words_above_numbers(path: Path) -> bool:
+    """Return whether the first rows have a header and numbers, separated by spaces."""
+    rows = [row.lstrip("# ").split() for row in _rows(path, MAX_COMMENTS) if row.strip("# \n\r")]
+    numbers = [bool(row) and all(isfinite(number_of(cell)) for cell in row) for row in rows]
+    first = numbers.index(True) if True in numbers else 0
+    return first > 0 and len(rows[first - 1]) == len(rows[first]) > 2
+
+
 def _rows(path: Path, count: int) -> list[str]:
     """Return the first rows of a file; none for a folder and a file that cannot be read."""
     if not is_file(path):  # opening a pipe or a device could wait forever
         return []
     try:
         with open_named_file(path) as file:
+            if file.read(2) in UTF_16_MARKS:
+                file.seek(0)
+                text = file.read(4096 * (MAX_TITLES + 1)).decode("utf-16", errors="replace")
+                return text.splitlines(keepends=True)[:count]
+            file.seek(0)
             rows = (file.readline(4096) for _ in range(count))
             return [row.decode("utf-8-sig", errors="replace") for row in rows if row]
     except (OSError, ValueError):

@@ -227,7 +227,9 @@ def _motor_kind(log: LogFile, column: str, unit: str) -> CaseKind:
     Raises:
         InputError: The times may be in several units, and so be both.
     """
-    unit = (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" else "")
+    unit = (
+        (unit_of(unit) or unit) or taken_apart(column).unit or ("s" if column == "t_s" or column in log.clocks else "")
+    )
     source = stamp_source(log, column, KINDS[CaseKind.MOTOR_STEADY].fillers) or Source(column=column)
     unit, times = "s" if source.fraction[1] else unit, source.times_of(log)
     if unit and unit not in units_for("s"):

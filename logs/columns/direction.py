@@ -50,9 +50,10 @@ def mark_directions(log: LogFile, sources: dict[str, Source], warnings: list[str
             if moved is None:
                 continue
             backwards = _by_motion(log, column, log.numbers(source.column), moved, option=kind.mapping_option)
-        sources[name] = source.model_copy(update={"direction": column, "backwards": backwards})
-        where = f"where {column} is {' or '.join(map(str, backwards))}" if backwards else f"nowhere, by {column}"
+        source = source.model_copy(update={"direction": column, "backwards": backwards})
+        where = f"where {column} is {source.backwards_text}" if backwards else f"nowhere, by {column}"
         warnings.append(f"{source.column} ({name}): without a sign; it is taken for negative {where}")
+        sources[name] = source
 
 
 def _direction_column(log: LogFile, name: str, sources: Mapping[str, Source], fillers: Collection[str]) -> str:

@@ -11,9 +11,10 @@ from logs.columns.drive import COUNTED, DRIVE_TABLE
 from logs.columns.missing import missing
 from logs.columns.proposal import Proposal, propose_as, unit_faults
 from logs.counts import jump_note, running_counts
-from logs.log_file import SEPARATORS, LogFile, read_log
+from logs.log_file import LogFile, read_log
+from logs.log_lines import SEPARATORS
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
-from logs.recognition import first_row, has_separator_below_title, is_file
+from logs.recognition import first_row, has_separator_below_title, has_words_above_numbers, is_file
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.motion_units import guessable, per_unit, time_and_length
@@ -50,6 +51,7 @@ def propose_trajectory(log: LogFile) -> Proposal:
     sources = dict(proposal.mapping.columns)
     stated = {
         name: bool(source.quaternion or source.nanoseconds or taken_apart(source.column).unit)
+        or source.column in log.clocks
         for name, source in sources.items()
     }
     has_our_name = {name: source.column == name for name, source in sources.items()}
@@ -262,9 +264,8 @@ def _recognises(path: Path) -> bool:
     if not is_file(path) or path.suffix.lower() not in _ENDINGS:
         return False
     # A tab at the end of the line separates nothing; a header may be a comment.
-    return any(separator in first_row(path).strip() for separator in SEPARATORS) or has_separator_below_title(
-        path, SEPARATORS
-    )
+    is_separated = any(separator in first_row(path).strip() for separator in SEPARATORS)
+    return is_separated or has_separator_below_title(path, SEPARATORS) or has_words_above_numbers(path)
 
 
 READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)

@@ -221,6 +221,8 @@ def usual_step_of(times: Array) -> float:
 
 
 def _guessed_time(kind: LogKind, name: str, column: str, known: Array, log: LogFile) -> tuple[str, str]:
+    if column in log.clocks:
+        return "", ""
     units, step = time_units(known, kind.step_s), usual_step_of(known)
     if len(units) > 1:
         readings = [Reading(unit, f"rows are {factor_to('s', unit, column) * step:.4g} s apart") for unit in units]

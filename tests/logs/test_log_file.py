@@ -156,3 +156,69 @@ def test_an_empty_name_of_a_column_is_refused(tmp_path):
     path.write_text("0,1,2\n0.05,2,3\n")
     with pytest.raises(InputError, match=r"row 1: name 2 is empty; name every column, also one that is not used"):
         read_log(path, ["t_s", "", "y_m"])
+
+
+NAMED = "t_s{0}x [°]{0}name\n0{0}1.5{0}a\n1{0}2.5{0}b\n"
+
+
+@pytest.mark.parametrize(("encoding", "noted"), [("utf-16", "UTF-16"), ("cp1252", "Windows-1252"), ("utf-8-sig", "")])
+def test_tables_of_spreadsheets_are_read_in_their_encodings(encoding, noted, tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_bytes(NAMED.format("\t").encode(encoding))
+    log = read_log(path)
+    assert log.columns == {"t_s": ("0", "1"), "x [°]": ("1.5", "2.5"), "name": ("a", "b")}
+    assert log.notes == ((f"run.csv is read as {noted} text",) if noted else log.notes)
+    assert next(reader.name for reader in READERS if reader.recognises(path)) == "table"
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfa\x00\n", b"t_s,x\n0,\xff\x01\n", b"\xff\xfe\x00", b"t,x\n\x81,1\n"])
+def test_bytes_that_are_no_text_are_refused(content, tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"run\.csv.*(is no UTF-8 text|is UTF-16 text); save it as UTF-8"):
+        read_log(path)
+
+
+@pytest.mark.parametrize("above", ["", "# made with numpy\n", "My robot, run 3\n"])
+@pytest.mark.parametrize("mark", ["", "# "])
+def test_cells_may_be_separated_by_spaces(above, mark, tmp_path):
+    """numpy.savetxt writes such files, with the header in a comment."""
+    if "," in above:
+        above = "My robot: run 3 of 5\n"
+    path = tmp_path / "run.txt"
+    path.write_text(f"{above}{mark}t_s x_m  y_m\n0.0e+00 1 2\n  1 2\t3\n".replace("\t", "   "))
+    assert read_log(path).columns == {"t_s": ("0.0e+00", "1"), "x_m": ("1", "2"), "y_m": ("2", "3")}
+    assert next(reader.name for reader in READERS if reader.recognises(path)) == "table"
+
+
+def test_a_text_of_words_is_no_table(tmp_path):
+    path = tmp_path / "notes.txt"
+    path.write_text("This is my robot\nIt drives well\n12 34\n")
+    assert not [reader.name for reader in READERS if reader.recognises(path)]
+
+
+def test_a_separator_in_quotes_separates_nothing(read):
+    log = read('"t_s","n","name"\n"0.5","1,440","Anna, Lab 3"\n"1","12,345,678","say ""hi"""\n')
+    assert log.columns == {"t_s": ("0.5", "1"), "n": ("1440", "12345678"), "name": ("Anna, Lab 3", 'say "hi')}
+    assert log.numbers("n").tolist() == [1440.0, 12345678.0]
+
+
+def test_commas_in_quotes_are_decimal_ones_if_no_number_has_a_point(read):
+    log = read('"t_s","x_m"\n"0,050","1,500"\n"0,100","-2"\n')
+    assert log.numbers("t_s").tolist() == [0.05, 0.1]
+    assert log.numbers("x_m").tolist() == [1.5, -2.0]
+
+
+def test_commas_in_quotes_that_may_mean_both_are_refused(read):
+    with pytest.raises(InputError, match="comma, which may be a decimal one or stand between thousands: got '1,440'"):
+        read('t_s,n\n1,"1,440"\n2,"1,500"\n')
+
+
+def test_decimals_may_have_commas_between_tabs(read):
+    """As in the Unicode text of a spreadsheet."""
+    assert read("t_s\tx_m\n0,05\t1,5\n0,1\t2\n").numbers("x_m").tolist() == [1.5, 2.0]
+
+
+def test_a_cell_of_any_length_is_read(read):
+    """The csv module of Python stops at 131,072 characters."""
+    assert len(read(f't_s,name\n0,"{"a" * 200_000}"\n1,b\n').columns["name"][0]) == 200_000

@@ -1,13 +1,17 @@
 """The lines of a text file, read strictly, and what was unusual about them."""
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from symolo.core.errors import InputError
 from symolo.core.files.plain_files import FileKind, read_named_file
 
 MAX_BYTES = FileKind.LOG.max_bytes
-_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+UTF_16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+"""First bytes of a text in UTF-16."""
+_CONTROLS = frozenset(range(32)) - frozenset(b"\t\n\r\f")
+"""Bytes that no text has."""
 
 
 @dataclass(frozen=True)
@@ -40,21 +44,42 @@ class TextFile:
     """Unusual things that were read all the same, in one sentence each."""
 
 
-def read_text(path: Path) -> TextFile:
+def read_text(path: Path, *, of_any_encoding: bool = False) -> TextFile:
     """Read a UTF-8 file, with or without a byte-order mark, whose line ends are those of Unix or Windows.
+
+    Args:
+        path: The file.
+        of_any_encoding: Whether UTF-16 and Windows-1252, in which spreadsheets write tables, are read with a note.
 
     Raises:
         InputError: It is a folder, too large, out of reach, empty, no UTF-8 text, or has stray carriage returns.
     """
-    text = decode_text(_bytes_of(path), path)
+    data, encoding = _bytes_of(path), ""
+    if of_any_encoding:
+        data, encoding = _as_utf_8(data)
+    text = decode_text(data, path)
     if isinstance(text, LineFault):
         raise text.error(path)
-    return text
+    return replace(text, notes=(*text.notes, f"{path.name} is read as {encoding} text")) if encoding else text
+
+
+def _as_utf_8(data: bytes) -> tuple[bytes, str]:
+    """Return the bytes of a text in UTF-8, and its encoding if that is another one; other bytes as they are."""
+    encoding = "UTF-16" if data.startswith(UTF_16_MARKS) else "Windows-1252"
+    try:
+        if encoding == "UTF-16":
+            return data.decode(encoding).encode(), encoding
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if _CONTROLS.isdisjoint(data) and encoding != "UTF-16":
+            with suppress(UnicodeDecodeError):
+                return data.decode(encoding).encode(), encoding
+    return data, ""
 
 
 def decode_text(data: bytes, path: Path) -> TextFile | LineFault:
     """Return the lines of a file's content, or its first fault; `path` appears in notes only."""
-    if data.startswith(_UTF_16):
+    if data.startswith(UTF_16_MARKS):
         return LineFault(0, "is UTF-16 text", "save it as UTF-8")
     try:
         text = data.decode("utf-8-sig")
