@@ -98,6 +98,8 @@ def _check_unit(name: str, column: str) -> None:
         cure = (
             f"if it is in {ours} all the same, add {UNIT_OPTION} {name}={ours}; otherwise rename the column, or {file}"
         )
+        if name in COUNTED and header.unit == "turns":
+            cure += ", such as factor: 1440 for turns of 1440 ticks each"
         raise InputError(f"the name of the column {state}", where=where, allowed=", ".join(units_for(ours)), cure=cure)
     if word := _may_be_unit(name, header):
         what = f"the name of the column may state the unit {word}, which is not known"

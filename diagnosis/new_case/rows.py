@@ -22,6 +22,7 @@ from diagnosis.new_case.quantities import KINDS
 from diagnosis.new_case.sample_times import are_even, even_times, row_of_drive_s
 from diagnosis.new_case.sampling_note import has_times, in_words, is_input
 from diagnosis.new_case.trial_rows import IN_TIME, rows_of_trials
+from logs.columns.drive import COUNTED
 from logs.columns.proposal import unit_faults
 from logs.counts import running_counts
 from logs.log_file import LogFile
@@ -131,6 +132,8 @@ def _values(log: LogFile, mapping: LogMapping, notes: list[str]) -> dict[str, Ar
                 with np.errstate(over="ignore"):  # what became too large is a fault
                     logged = source.times_of(log) if name == "t_s" else source.numbers(log)
                     numbers = factor * running_counts(logged, source, name, notes) + source.offset
+                    if name in COUNTED and abs(source.factor) != 1.0:  # such as turns of the wheel
+                        numbers = np.rint(numbers)
                 _check_sizes(numbers, source, log)
             if name == "t_s" and (kind in IN_TIME or numbers[0] > LONG_AFTER_S):  # of a computer, from 1970
                 numbers = numbers - numbers[0]

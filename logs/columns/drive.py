@@ -3,8 +3,10 @@
 from logs.columns.quantity import DUTY as _DUTY
 from logs.columns.quantity import LEFT, LINEAR, RIGHT, SET, TURNING, Quantity, words
 
-VOLTAGE = words("u voltage volt volts motor mot vm umot") | _DUTY
-COUNT_WORDS = words("enc encoder encoders ticks tick counts count cnt pulses steps denc dticks dcounts dcount dcnt")
+VOLTAGE = words("u voltage volt volts motor mot vm umot spannung motorspannung tension") | _DUTY
+COUNT_WORDS = words(
+    "enc encoder encoders ticks tick counts count cnt pulses steps impulse denc dticks dcounts dcount dcnt"
+)
 PER_ROW = words("delta deltas diff inc increment increments change denc dticks dcounts dcount dcnt")
 """Words for counts since the row before."""
 COUNTED = ("enc_left_ticks", "enc_right_ticks")

@@ -17,7 +17,20 @@ from logs.columns.stamp import stamp_source
 from logs.counts import are_per_row
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, LogMapping, Source
-from logs.units.guessed import FULL_DUTIES, USUAL_SUPPLY_V, Known, UnknownUnitError, duty_unit, full_duty, guessed
+from logs.units.guessed import (
+    FULL_DUTIES,
+    OTHER_WHEEL,
+    SMALLEST_V,
+    USUAL_SUPPLY_V,
+    Known,
+    UnknownUnitError,
+    asked,
+    battery_advice,
+    duty_unit,
+    full_duty,
+    guessed,
+    readings_of_duty,
+)
 from logs.units.names import PERCENT, HeaderName, factor_to, taken_apart, unit_of, units_for
 from logs.units.plausible import OTHER_UNITS, beyond_scale, likely_unit
 from symolo.core.arrays import Array
@@ -69,7 +82,8 @@ def propose_as(
     sources: dict[str, Source] = {}
     warnings: list[str] = []
     faults = FaultList()
-    known = Known(sources, recognised.values(), supply_V)
+    known = Known(sources, recognised, supply_V)
+    units = _of_both_wheels(units, recognised)
     for name, column in recognised.items():
         if name not in chosen and kind.is_by_unit(name, column):
             warnings.append(
@@ -135,7 +149,7 @@ def _recognised(log: LogFile, kind: LogKind, name: str, column: str, known: Know
             f"a duty cycle in percent, times {_supply_text(kind, known.supply_V)}"
         )
     if DUTY & set(header.words) and not unit:
-        factor, reason = _duty_factor(log, kind, known)
+        factor, reason = _duty_factor(log, kind, name, known)
         return Source(column=column, factor=factor), reason
     if unit == "degrees" and column.lower().rstrip(" )]").endswith("grad"):
         reason = f"taken for degrees; if a turn has 400, write unit: gon in {MAPPING}"
@@ -283,16 +297,36 @@ def _is_clockwise(header: HeaderName) -> bool:
     return bool(senses) and senses <= CLOCKWISE
 
 
-def _duty_factor(log: LogFile, kind: LogKind, known: Known) -> tuple[float, str]:
-    """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles."""
-    largest = 0.0
-    for column in (column for column in known.columns if DUTY & {*taken_apart(column).words}):
+def _of_both_wheels(units: Mapping[str, str], columns: Mapping[str, str]) -> Mapping[str, str]:
+    """Return the stated units, and that of the voltage of one wheel for the other one, if its name has no unit."""
+    others = {
+        other: units[name]
+        for name, other in OTHER_WHEEL.items()
+        if name in units and other in columns and not taken_apart(columns[other]).unit
+    }
+    return {**others, **units}
+
+
+def _duty_factor(log: LogFile, kind: LogKind, name: str, known: Known) -> tuple[float, str]:
+    """Return the voltage for a value of 1, and the reason, by the largest value of all columns of duty cycles.
+
+    Raises:
+        UnknownUnitError: Whole numbers below 100 may be per cent, or steps of 8 bit of a motor that was never full on.
+    """
+    largest, is_whole = 0.0, True
+    for column in (column for column in known.columns.values() if DUTY & {*taken_apart(column).words}):
         with suppress(InputError):
-            largest = max(largest, float(np.nanmax(np.abs(log.numbers(column)), initial=0.0)))
+            duty = log.numbers(column)
+            largest = max(largest, float(np.nanmax(np.abs(duty), initial=0.0)))
+            is_whole = is_whole and bool(np.all(duty[np.isfinite(duty)] % 1.0 == 0.0))
+    if is_whole and SMALLEST_V < largest < 100.0:
+        shown, readings = f"the values up to {largest:g}", readings_of_duty(largest, known.supply_V)
+        raise asked(log, kind, name, known.columns[name], shown=shown, readings=readings)
     full = next((full for full in FULL_DUTIES if largest <= full), largest)
     reason = f"taken for a duty cycle of which {full:g} is full, since the values are up to {largest:.4g}"
     doubt = f"; if the values are millivolts, write unit: mV without a factor in {MAPPING}"
     text = f"{reason}, times {_supply_text(kind, known.supply_V)}{doubt if largest > MIN_MILLIVOLTS else ''}"
+    text += "" if known.supply_V else battery_advice(log, kind)
     return (known.supply_V or USUAL_SUPPLY_V) / full, text
 
 

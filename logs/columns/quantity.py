@@ -22,19 +22,19 @@ FILLERS = words(
     "pose pos position field mean value motor mot total abs vl53l0x vl53"
 )
 """Words that do not show which quantity it is."""
-LEFT, RIGHT = words("left l lhs links"), words("right r rhs rechts")
+LEFT, RIGHT = words("left l lhs links gauche izquierda izq"), words("right r rhs rechts droite droit derecha")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
-TIME = words("t time timestamp stamp clock uptime")
+TIME = words("t time timestamp stamp clock uptime epoch unix zeit zeitstempel temps tiempo")
 SUPPLY = words(
     "battery bat batt vbat vbatt ubat ubatt batterie batteriespannung akku accu lipo supply vcc vdd vin bus versorgung"
 )
 """Words for a voltage that is not that of a motor."""
-DUTY = words("pwm duty")
+DUTY = words("pwm duty throttle")
 """Words for a voltage as a share of the supply's."""
-RANGE = words("tof range ranges dist distance d lidar ir sonar ultrasonic")
+RANGE = words("tof range ranges dist distance d lidar ir sonar ultrasonic abstand entfernung")
 EAST, NORTH = words("east easting"), words("north northing")
-HEADING = words("theta th heading hdg yaw phi angle orientation rotation psi compass azimuth bearing")
+HEADING = words("theta th heading hdg yaw phi angle orientation rotation psi compass azimuth bearing winkel gierwinkel")
 CLOCKWISE = words("cw clockwise")
 SENSE = CLOCKWISE | words("ccw counter anti counterclockwise anticlockwise")
 """Words for the sense in which a heading is counted."""

@@ -1,6 +1,6 @@
 """Units of columns whose names state none, from their values; a unit that the values do not show is asked for."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ LONGEST_LOG_S = 4.0 * 3600.0
 BEGIN_S = (1e9, 3e9)
 """Range of the times since 1970, from 2001 to 2065."""
 USUAL_SUPPLY_V = 7.4
-BY_NAME_V = words("voltage volt volts vm umot")
+BY_NAME_V = words("voltage volt volts vm umot spannung motorspannung tension")
 """Words of a voltage; a motor, a command or u may as well be a duty cycle."""
 LARGEST_SURE_V, LARGEST_V = 15.0, 60.0
 """Largest value that is surely in volts, whatever the name, and largest voltage of a small robot."""
@@ -41,6 +41,8 @@ LARGEST_SURE_A, LARGEST_A = 10.0, 60.0
 """Largest current that is surely in amperes, and largest current of a small robot."""
 MAX_RAD_S = 60.0
 """Largest speed from which on a motor's speed is in turns per minute."""
+OTHER_WHEEL = {"u_left_V": "u_right_V", "u_right_V": "u_left_V"}
+"""Voltages that a log has in the same unit."""
 DUTY_UNIT = "duty_"
 """Beginning of the unit of a duty cycle, before its full value."""
 
@@ -51,8 +53,8 @@ class Known:
 
     sources: Mapping[str, Source]
     """Sources of the quantities that are mapped already."""
-    columns: Collection[str]
-    """Columns of all quantities, mapped already or not."""
+    columns: Mapping[str, str]
+    """Columns of all quantities by their names, mapped already or not."""
     supply_V: float | None
     """Voltage of a full duty cycle; None if it is not known."""
 
@@ -88,11 +90,16 @@ def asked(
         if kind.unit_option
         else f"in a file for {kind.mapping_option}"
     )
-    batteries = [other for other in log.columns if other != column and SUPPLY & {*taken_apart(other).words}]
     is_duty = any(reading.unit.startswith(DUTY_UNIT) for reading in readings)
-    battery = f"; a mapping may multiply a duty cycle by {batteries[0]} ({kind.page})" if batteries and is_duty else ""
+    battery = battery_advice(log, kind) if is_duty else ""
     what = f"column {column}: its unit is not known, and {shown} do not show it"
     return UnknownUnitError(what, where=log.header_where, cure=f"state it, {option}; {texts}{battery}")
+
+
+def battery_advice(log: LogFile, kind: LogKind) -> str:
+    """Return the end of a sentence on how duty cycles get the logged voltage of the battery; empty if it was not."""
+    batteries = [column for column in log.columns if SUPPLY & {*taken_apart(column).words}]
+    return f"; a mapping may multiply a duty cycle by {batteries[0]} ({kind.page})" if batteries else ""
 
 
 def guessed(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -> tuple[str, str]:
@@ -124,12 +131,23 @@ def guessed(log: LogFile, kind: LogKind, name: str, column: str, known: Known) -
         return _guessed_length(finite, largest, is_range=name in kind.ranges)
     if ours in {"V", "A"}:
         is_voltage = ours == "V"
+        finite = np.concatenate([finite, _of_other_wheel(log, name, known)])
+        largest = float(np.abs(finite).max())
         readings = readings_of_voltage(column, finite, known.supply_V) if is_voltage else readings_of_current(largest)
         if len(readings) > 1:
             raise asked(log, kind, name, column, shown=f"the values up to {largest:.4g}", readings=readings)
         unit = "" if readings[0].unit == ours else readings[0].unit
         return unit, f"taken for {unit}, since the values are up to {largest:.4g}" if unit else ""
     return _guessed_angle(kind, name, largest)
+
+
+def _of_other_wheel(log: LogFile, name: str, known: Known) -> Array:
+    """Return the values of the voltage of the other wheel if its name has no unit either, since both have the same."""
+    column = known.columns.get(OTHER_WHEEL.get(name, ""), "")
+    if not column or taken_apart(column).unit:
+        return np.empty(0)
+    values = log.numbers(column)
+    return values[np.isfinite(values)]
 
 
 def _guessed_angle(kind: LogKind, name: str, largest: float) -> tuple[str, str]:
@@ -153,12 +171,17 @@ def readings_of_voltage(column: str, known: Array, supply_V: float | None) -> li
         return [Reading("V", f"up to {largest:.4g} V")]
     if largest > (NAMED_MILLIVOLTS_FROM if is_named else MILLIVOLTS_FROM):
         return [Reading("mV", f"up to {1e-3 * largest:.4g} V")]
-    fulls = [full for full in FULL_DUTIES if largest <= full and (is_whole or largest <= 255.0)]
-    # Up to 100, a duty cycle in percent may as well be one of 8 bit that was never full.
-    fulls = fulls[: 2 if SMALLEST_V < largest <= 100.0 else 1]
-    readings = [Reading(duty_unit(full), _duty_meaning(full, largest, supply_V)) for full in fulls]
+    readings = readings_of_duty(largest, supply_V) if is_whole or largest <= 255.0 else []
     readings += [Reading("V", f"up to {largest:.4g} V")] if largest <= LARGEST_V else []
     return readings + ([Reading("mV", f"up to {1e-3 * largest:.4g} V")] if largest > LARGEST_V else [])
+
+
+def readings_of_duty(largest: float, supply_V: float | None) -> list[Reading]:
+    """Return the units that duty cycles up to a value may have, the likeliest first."""
+    fulls = [full for full in FULL_DUTIES if largest <= full]
+    # Up to 100, a duty cycle in percent may as well be one of 8 bit that was never full.
+    fulls = fulls[: 2 if SMALLEST_V < largest <= 100.0 else 1]
+    return [Reading(duty_unit(full), _duty_meaning(full, largest, supply_V)) for full in fulls]
 
 
 def full_duty(unit: str) -> float | None:

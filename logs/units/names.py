@@ -96,6 +96,13 @@ NO_UNIT_WORDS = frozenset(
         "clockwise",
         "counterclockwise",
         "odom",
+        "mocap",
+        "kalman",
+        "ekf",
+        "ukf",
+        "fused",
+        "est",
+        "estimated",
     ]
 )
 """Words that may stand in brackets behind a name and are no unit."""

@@ -156,3 +156,54 @@ def test_a_column_that_is_called_by_a_unit_alone_is_in_it(scale, init, tmp_path)
     code, _, err, _ = init({"V": u, "i [A]": np.round(0.2 + 0.01 * u, 4), "rpm": 20.0 * u})
     assert (code, err) == (0, "")
     assert columns_of(tmp_path)["u_cmd_V"] == {"column": "V"}
+
+
+NUMBERS = (
+    "--set=ticks_per_turn=1440",
+    "--set=wheel_diameter_m=0.065",
+    "--set=track_m=0.14",
+    "--set=supply_voltage_V=8",
+)
+
+
+def slow_drive(columns, left, right, largest):
+    """Return a drive whose motors get at most this value, and not the voltages of the columns."""
+    logged = {name: column for name, column in columns.items() if not name.startswith("motor")}
+    voltages = np.array([columns[f"motor_{side} [mV]"] for side in "lr"])
+    return logged | dict(zip((left, right), np.round(voltages / voltages.max() * largest).astype(int), strict=True))
+
+
+def test_a_duty_cycle_below_100_is_asked_for(columns, init):
+    """80 may be 80 % or 80 of 255, at which the motors get 2.5 V of 8 V."""
+    log = slow_drive(columns, "pwm_l", "pwm_r", 80)
+    code, _, err, _ = init(log, *NUMBERS)
+    assert code == 2
+    assert "column pwm_l: its unit is not known, and the values up to 80 do not show it" in err
+    assert "such as --unit u_left_V=percent; percent: a duty cycle of which 100 is full, so up to 6.4 V" in err
+    assert "duty_255: a duty cycle of which 255 is full, so up to 2.51 V" in err
+
+
+@pytest.mark.parametrize("names", [("pwm_l", "pwm_r"), ("motor_l", "motor_r")])
+def test_the_unit_of_one_wheel_is_that_of_both(names, columns, init, tmp_path):
+    code, _, err, _ = init(slow_drive(columns, *names, 80), *NUMBERS, "--unit", "u_left_V=duty_255")
+    assert (code, err) == (0, "")
+    factors = [columns_of(tmp_path)[name]["factor"] for name in ("u_left_V", "u_right_V")]
+    np.testing.assert_allclose(factors, 8 / 255)
+
+
+def test_a_wheel_with_less_than_15_is_in_volts_only_if_both_are(columns, init):
+    """A wheel that got at most 14 of 255 while the other one got 200."""
+    log = slow_drive(columns, "motor_l", "motor_r", 200)
+    log["motor_l"] = np.round(log["motor_l"] * 14 / 200).astype(int)
+    code, _, err, _ = init(log, *NUMBERS)
+    assert code == 2
+    assert "column motor_l: its unit is not known, and the values up to 200 do not show it" in err
+    assert "column motor_r: its unit is not known, and the values up to 200 do not show it" in err
+
+
+def test_a_logged_battery_is_named_where_the_supply_is_not_known(columns, init):
+    log = slow_drive(columns, "pwm_l", "pwm_r", 255)
+    log["vbat_mV"] = np.full(len(log["pwm_l"]), 7900)
+    code, out, _, _ = init(log, *NUMBERS[:3])
+    assert code == 0
+    assert "a mapping may multiply a duty cycle by vbat_mV (docs/case_from_log.md)" in out

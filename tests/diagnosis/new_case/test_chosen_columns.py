@@ -119,8 +119,8 @@ def test_a_chosen_column_in_a_unit_of_something_else_is_refused(name, unit, quan
     ("names", "first"),
     [
         ({"enc_l": "foo", "enc_r": "bar"}, "enc_left_ticks=foo"),
-        ({"enc_l": "foo", "enc_r": "bar", "time_ms": "zeit"}, "t_s=zeit"),
-        ({"enc_l": "enc_1", "enc_r": "enc_2", "time_ms": "zeit"}, "t_s=zeit"),
+        ({"enc_l": "foo", "enc_r": "bar", "time_ms": "tijd"}, "t_s=tijd"),
+        ({"enc_l": "enc_1", "enc_r": "enc_2", "time_ms": "tijd"}, "t_s=tijd"),
         ({"enc_l": "enc_1"}, "enc_left_ticks=enc_1"),
     ],
 )
@@ -273,5 +273,27 @@ def test_counts_whose_name_ends_in_rev_can_be_chosen_with_their_unit(init, colum
     assert code == 2
     assert "the name of the column seems to state the unit turns" in err
     assert "if it is in ticks all the same, add --unit enc_left_ticks=ticks" in err
+    assert "such as factor: 1440 for turns of 1440 ticks each" in err
     code, _, err, _ = init(logged, *chosen, *(f"--unit=enc_{side}_ticks=ticks" for side in ("left", "right")))
     assert (code, err) == (0, "")
+
+
+def test_turns_of_a_wheel_become_ticks_by_a_factor(init, columns, tmp_path):
+    """The log has turns with four digits, of which 1440 ticks make one."""
+    turned = renamed(columns, enc_l="left_rev", enc_r="right_rev")
+    turned |= {name: np.round(turned[name] / 1440, 4) for name in ("left_rev", "right_rev")}
+    assert init(columns, "--out", "counted")[0] == 0
+    mapping = (tmp_path / "counted" / "mapping.yaml").read_text()
+    for side in ("left", "right"):
+        mapping = mapping.replace(f'"enc_{side[0]}"', f'"{side}_rev", factor: 1440')
+    (tmp_path / "turns.yaml").write_text(mapping)
+    code, _, err, _ = init(turned, "--mapping", "turns.yaml", "--out", "turned")
+    assert (code, err) == (0, "")
+    ticks = [np.genfromtxt(tmp_path / case / "data.csv", delimiter=",", names=True) for case in ("counted", "turned")]
+    np.testing.assert_array_equal(ticks[1]["enc_left_ticks"], ticks[0]["enc_left_ticks"])
+
+
+def test_a_column_of_an_estimator_can_be_chosen_without_its_unit(init, columns):
+    code, out, err, _ = init(renamed(columns, heading_deg="yaw_kalman"), "--column", "theta_rad=yaw_kalman")
+    assert (code, err) == (0, "")
+    assert "yaw_kalman (theta_rad): the name has no unit; taken for degrees" in out

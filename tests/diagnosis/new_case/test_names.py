@@ -119,6 +119,11 @@ DRIVES = (
     ),
     "stamp,voltage_l,voltage_r,left_encoder,right_encoder,pose_x,pose_y,yaw",
     "T,MotL,MotR,CountsL,CountsR,posX_cm,posY_cm,compass",
+    "Zeit [s];Spannung links [V];Spannung rechts [V];Ticks links;Ticks rechts;X [cm];Y [cm];Winkel [°]".replace(
+        ";", ","
+    ),
+    "epoch_ms,throttle_left,throttle_right,ticks_l,ticks_r,x_m,y_m,theta_rad",
+    "temps (s);tension gauche (V);tension droite (V);ticks gauche;ticks droite;x (m);y (m);theta".replace(";", ","),
     "millis,motorLeft_mV,motorRight_mV,cntLeft,cntRight,xM,yM,thetaDeg",
 )
 

@@ -304,7 +304,8 @@ def test_trials_may_have_words_for_names(log):
 
 
 @pytest.mark.parametrize(
-    ("largest", "supply_V", "factor"), [(250, 8.4, 8.4 / 255), (0.9, 6.0, 6.0), (80, None, 7.4 / 100)]
+    ("largest", "supply_V", "factor"),
+    [(250, 8.4, 8.4 / 255), (0.9, 6.0, 6.0), (100, None, 7.4 / 100), (63.5, None, 7.4 / 100)],
 )
 def test_a_duty_cycle_is_a_share_of_the_supply(log, largest, supply_V, factor):
     t = np.round(0.05 * np.arange(40), 6)
@@ -337,8 +338,8 @@ def test_a_duty_cycle_times_the_voltage_of_the_battery_is_a_voltage(log, tmp_pat
     t = np.round(0.05 * np.arange(40), 6)
     lines = drive(t, volts=40.0 + 0.0 * t, header=DRIVE.replace("uL,uR", "pwmL,pwmR")).splitlines()
     battery = ["battery_mV", *(f"{8000 - 100 * time:.1f}" for time in t)]
-    text = log("\n".join(f"{line},{cell}" for line, cell in zip(lines, battery, strict=True)) + "\n")
-    columns = {name: source.model_dump() for name, source in propose(text).mapping.columns.items()}
+    text, percent = log("\n".join(map(",".join, zip(lines, battery, strict=True))) + "\n"), {"u_left_V": "percent"}
+    columns = {name: source.model_dump() for name, source in propose(text, units=percent).mapping.columns.items()}
     for side, name in (("left", "pwmL"), ("right", "pwmR")):
         columns[f"u_{side}_V"] = {"column": name, "unit": "percent", "times": "battery_mV", "factor": 0.001}
     path = tmp_path / "mapping.yaml"
