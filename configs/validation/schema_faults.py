@@ -149,7 +149,8 @@ def _elsewhere(above: FieldPath, key: str, root: Node, shape: Shape) -> tuple[st
         inner, field = here.child(section, node), key.removeprefix(f"{section}_")
         if inner is not None and field != key and field in inner.known_keys():
             return dotted((*above, section, field)), ""
-    places = shape.top_places.get(key, ())
+    # Settings of a scenario that takes its robots from a diagnosis are no place for those of another section.
+    places = [place for place in shape.top_places.get(key, ()) if len(place) == 1 or place[0] != "like"]
     if any(len(place) == 1 for place in places):
         return "", f"write {key} at the top of the scenario"
     return " or ".join(dotted(place) for place in places[:MAX_PLACES]), ""

@@ -7,10 +7,10 @@ import numpy as np
 
 from logs.columns.combined import companions
 from logs.columns.drive import COUNTED
-from logs.columns.quantity import SET, SIDES, LogKind, words
+from logs.columns.quantity import LEFT, RIGHT, SET, SIDES, SPEED, LogKind, words
 from logs.log_file import LogFile
 from logs.mapping import MAPPING, VOLTAGES
-from logs.units.names import fits, taken_apart
+from logs.units.names import fits, taken_apart, units_for
 from symolo.core.errors import InputError
 
 MIN_VALUES = 5
@@ -44,11 +44,20 @@ def missing(log: LogFile, kind: LogKind, recognised: Mapping[str, str]) -> Input
         none = f"none of these seems to be one; if one is, name it with {kind.column_option} QUANTITY=COLUMN"
         cure = f"{f'name the column of each{example}' if first else none}; or {cure}"
     others = f"not recognised: {', '.join(unused)}; " if unused else ""
+    if speeds := [name for name in unused if any({*COUNTED} & each for each in sets) and _is_speed_of_wheel(name)]:
+        others += f"a speed of a wheel, such as {speeds[0]}, cannot take the place of its count: log the counts, or "
     return InputError(
         f"no column was recognised as {names}, which a log of the kind {kind.name} needs",
         where=log.header_where,
         cure=f"{others}{cure}",
     )
+
+
+def _is_speed_of_wheel(column: str) -> bool:
+    """Return whether the name of a column is that of the speed of one wheel."""
+    header = taken_apart(column)
+    is_speed = header.unit in {*units_for("rad/s"), *units_for("m/s")} or SPEED & {*header.words}
+    return bool(is_speed and (LEFT | RIGHT) & {*header.words})
 
 
 def _example(log: LogFile, kind: LogKind, sets: Sequence[Collection[str]], unused: Sequence[str]) -> str:

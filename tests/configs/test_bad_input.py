@@ -433,6 +433,11 @@ def test_the_motor_parameter_that_was_set_is_named_when_the_motors_are_too_stron
     assert len(message) < 600
 
 
+def test_a_key_of_another_section_is_no_setting_of_robots_from_a_diagnosis():
+    with pytest.raises(InputError, match=r"robot\.encoder\.noise: unknown key; allowed: .*dropout_probability$"):
+        load_scenario("smoke", ["robot.encoder.noise=2"])
+
+
 @pytest.mark.parametrize("sensor", ["tof", "line_sensor", "encoder"])
 def test_a_rate_in_place_of_the_period_is_the_only_fault(sensor):
     with pytest.raises(InputError) as error:

@@ -1,5 +1,6 @@
 """`symolo import`: makes a dataset of logs of other programs."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -126,7 +127,18 @@ def import_logs(
     rows = sum(len(run.rows.t_ms) for run in dataset.runs)
     typer.echo(f"{out}: {plural(len(dataset.runs), 'run')}, {plural(rows, 'row')}")
     first = out / dataset.runs[0].spec.key
-    typer.echo(f"\nsymolo rerender {first} --looks classroom,lab --camera-hz 5 --out {out}-images")
+    command = [
+        "symolo",
+        "rerender",
+        str(first),
+        "--looks",
+        "classroom,lab",
+        "--camera-hz",
+        "5",
+        "--out",
+        f"{out}-images",
+    ]
+    typer.echo(f"\n{shlex.join(command)}")
 
 
 def _mapping_text(dataset: "ImportedDataset", command: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """Commands that make measured cases: `symolo case init`, `symolo case example`."""
 
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -178,7 +179,7 @@ def _check_origin(log: Path) -> None:
     if header == list(WHEELS.header) or (log.name == DATA and (log.parent / SIDE / WHEELS.file).is_file()):
         cure = "diagnose the folder of the run from which it was copied, the one with data.csv"
         if (run / DATA).is_file():
-            cure = f"diagnose the run: symolo diagnose {run} --out {run.absolute().name}-diagnosis"
+            cure = f"diagnose the run: {_diagnose(run, run.absolute().name)}"
         raise InputError("is a table of a run of symolo, which needs no case", where=str(log), cure=cure)
 
 
@@ -224,7 +225,7 @@ def _print(case: "NewCase", out: Path, notes: tuple[str, ...]) -> None:
         typer.echo("\nNot given; each can be added with --set KEY=VALUE, or in nominal.yaml:")
         for line in unknown:
             typer.echo(f"  {line}")
-    typer.echo(f"\n{out}: look at its nominal.yaml, then\n\nsymolo diagnose {out} --out {out}-diagnosis")
+    typer.echo(f"\n{out}: look at its nominal.yaml, then\n\n{_diagnose(out, str(out))}")
 
 
 def example(
@@ -250,7 +251,12 @@ def example(
     note = f" {case.note}" if case.note else ""
     text = f"It hides {_hidden(case.hidden)}.{note} See whether the diagnosis names that:"
     typer.echo("\n".join(wrap(text, 118, break_long_words=False, break_on_hyphens=False)) + "\n")
-    typer.echo(f"symolo diagnose {out} --out {out}-diagnosis")
+    typer.echo(_diagnose(out, str(out)))
+
+
+def _diagnose(folder: Path, name: str) -> str:
+    """Return the command that diagnoses a folder, as the user can type it."""
+    return shlex.join(["symolo", "diagnose", str(folder), "--out", f"{name}-diagnosis"])
 
 
 def _hidden(effects: Mapping[str, Mapping[str, object]]) -> str:

@@ -166,16 +166,16 @@ NUMBERS = (
 )
 
 
-def slow_drive(columns, left, right, largest):
+def slow_drive(columns, names, largest):
     """Return a drive whose motors get at most this value, and not the voltages of the columns."""
     logged = {name: column for name, column in columns.items() if not name.startswith("motor")}
     voltages = np.array([columns[f"motor_{side} [mV]"] for side in "lr"])
-    return logged | dict(zip((left, right), np.round(voltages / voltages.max() * largest).astype(int), strict=True))
+    return logged | dict(zip(names, np.round(voltages / voltages.max() * largest).astype(int), strict=True))
 
 
 def test_a_duty_cycle_below_100_is_asked_for(columns, init):
     """80 may be 80 % or 80 of 255, at which the motors get 2.5 V of 8 V."""
-    log = slow_drive(columns, "pwm_l", "pwm_r", 80)
+    log = slow_drive(columns, ("pwm_l", "pwm_r"), 80)
     code, _, err, _ = init(log, *NUMBERS)
     assert code == 2
     assert "column pwm_l: its unit is not known, and the values up to 80 do not show it" in err
@@ -185,7 +185,7 @@ def test_a_duty_cycle_below_100_is_asked_for(columns, init):
 
 @pytest.mark.parametrize("names", [("pwm_l", "pwm_r"), ("motor_l", "motor_r")])
 def test_the_unit_of_one_wheel_is_that_of_both(names, columns, init, tmp_path):
-    code, _, err, _ = init(slow_drive(columns, *names, 80), *NUMBERS, "--unit", "u_left_V=duty_255")
+    code, _, err, _ = init(slow_drive(columns, names, 80), *NUMBERS, "--unit", "u_left_V=duty_255")
     assert (code, err) == (0, "")
     factors = [columns_of(tmp_path)[name]["factor"] for name in ("u_left_V", "u_right_V")]
     np.testing.assert_allclose(factors, 8 / 255)
@@ -193,7 +193,7 @@ def test_the_unit_of_one_wheel_is_that_of_both(names, columns, init, tmp_path):
 
 def test_a_wheel_with_less_than_15_is_in_volts_only_if_both_are(columns, init):
     """A wheel that got at most 14 of 255 while the other one got 200."""
-    log = slow_drive(columns, "motor_l", "motor_r", 200)
+    log = slow_drive(columns, ("motor_l", "motor_r"), 200)
     log["motor_l"] = np.round(log["motor_l"] * 14 / 200).astype(int)
     code, _, err, _ = init(log, *NUMBERS)
     assert code == 2
@@ -202,7 +202,7 @@ def test_a_wheel_with_less_than_15_is_in_volts_only_if_both_are(columns, init):
 
 
 def test_a_logged_battery_is_named_where_the_supply_is_not_known(columns, init):
-    log = slow_drive(columns, "pwm_l", "pwm_r", 255)
+    log = slow_drive(columns, ("pwm_l", "pwm_r"), 255)
     log["vbat_mV"] = np.full(len(log["pwm_l"]), 7900)
     code, out, _, _ = init(log, *NUMBERS[:3])
     assert code == 0

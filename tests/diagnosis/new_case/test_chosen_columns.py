@@ -297,3 +297,17 @@ def test_a_column_of_an_estimator_can_be_chosen_without_its_unit(init, columns):
     code, out, err, _ = init(renamed(columns, heading_deg="yaw_kalman"), "--column", "theta_rad=yaw_kalman")
     assert (code, err) == (0, "")
     assert "yaw_kalman (theta_rad): the name has no unit; taken for degrees" in out
+
+
+def test_speeds_of_wheels_are_named_where_their_counts_are_missing(init, columns):
+    code, _, err, _ = init(renamed(columns, enc_l="speed_left_rad_s", enc_r="speed_right_rad_s"))
+    assert code == 2
+    assert (
+        "a speed of a wheel, such as speed_left_rad_s, cannot take the place of its count: log the counts, or " in err
+    )
+    assert "cannot take the place" not in init(renamed(columns, enc_l="foo", enc_r="bar"))[2]
+
+
+def test_the_command_that_follows_can_be_typed(init, columns):
+    _, out, _, _ = init(columns, "--out", "my case")
+    assert "symolo diagnose 'my case' --out 'my case-diagnosis'" in out
