@@ -74,12 +74,12 @@ def has_separator_below_title(path: Path, separators: Sequence[str]) -> bool:
     return is_text and any(separator in row for row in rows[: MAX_TITLES + 1] for separator in separators)
 
 
-def has_words_above_numbers(path: Path) -> bool:
-    """Return whether the first rows have a header and numbers, separated by spaces."""
+def names_above_numbers(path: Path) -> list[str]:
+    """Return the words of the header above the first row of numbers, separated by spaces; none if it has no header."""
     rows = [row.lstrip("# ").split() for row in _rows(path, MAX_COMMENTS) if row.strip("# \n\r")]
     numbers = [bool(row) and all(isfinite(number_of(cell)) for cell in row) for row in rows]
     first = numbers.index(True) if True in numbers else 0
-    return first > 0 and len(rows[first - 1]) == len(rows[first]) > 2
+    return rows[first - 1] if first > 0 and len(rows[first - 1]) == len(rows[first]) > 2 else []
 
 
 def _rows(path: Path, count: int) -> list[str]:

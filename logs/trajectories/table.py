@@ -14,7 +14,7 @@ from logs.counts import jump_note, running_counts
 from logs.log_file import LogFile, read_log
 from logs.log_lines import SEPARATORS
 from logs.mapping import LogMapping, Source, check_mapping, missing_note, read_mapping, unused_columns
-from logs.recognition import first_row, has_separator_below_title, has_words_above_numbers, is_file
+from logs.recognition import first_row, has_separator_below_title, is_file, names_above_numbers
 from logs.times import goes_back
 from logs.trajectories.base import LoggedTable, LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.motion_units import guessable, per_unit, time_and_length
@@ -265,7 +265,7 @@ def _recognises(path: Path) -> bool:
         return False
     # A tab at the end of the line separates nothing; a header may be a comment.
     is_separated = any(separator in first_row(path).strip() for separator in SEPARATORS)
-    return is_separated or has_separator_below_title(path, SEPARATORS) or has_words_above_numbers(path)
+    return is_separated or has_separator_below_title(path, SEPARATORS) or bool(names_above_numbers(path))
 
 
 READER = TrajectoryReader("table", "a table with a header line, whatever its columns are called", _recognises, _read)

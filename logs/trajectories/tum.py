@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from logs.axis import Axis
+from logs.recognition import names_above_numbers
 from logs.trajectories.base import LoggedTrajectory, ReadSettings, TrajectoryReader
 from logs.trajectories.planar import on_floor
+from logs.trajectories.quantities import QUATERNION, TRAJECTORY
 from symolo.core.tables.pose_lines import numbers_in_first_line
 from symolo.core.tables.tum_file import read_tum
 
@@ -32,9 +34,15 @@ def _read(path: Path, settings: ReadSettings) -> list[LoggedTrajectory]:
     ]
 
 
+def _recognises(path: Path) -> bool:
+    """Return whether the first row has eight numbers, unless names above them show a table without an orientation."""
+    names = TRAJECTORY.matched(names_above_numbers(path))
+    return numbers_in_first_line(path) == 8 and not (TRAJECTORY.suffices(names) and not {*QUATERNION} <= {*names})
+
+
 READER = TrajectoryReader(
     "tum",
     "poses of the TUM benchmark or evo: t x y z qx qy qz qw",
-    lambda path: numbers_in_first_line(path) == 8,
+    _recognises,
     _read,
 )

@@ -191,6 +191,21 @@ def test_cells_may_be_separated_by_spaces(above, mark, tmp_path):
     assert next(reader.name for reader in READERS if reader.recognises(path)) == "table"
 
 
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("# t_s enc_l enc_r u_l u_r x_m y_m theta_rad", "table"),
+        ("# timestamp tx ty tz qx qy qz qw", "tum"),
+        ("# ground truth of the third run by Vicon", "tum"),
+        ("# my robot", "tum"),
+    ],
+)
+def test_names_above_eight_numbers_show_whether_they_are_poses_in_space(header, name, tmp_path):
+    path = tmp_path / "run.txt"
+    path.write_text(f"{header}\n0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n")
+    assert next(reader.name for reader in READERS if reader.recognises(path)) == name
+
+
 def test_a_text_of_words_is_no_table(tmp_path):
     path = tmp_path / "notes.txt"
     path.write_text("This is my robot\nIt drives well\n12 34\n")
