@@ -64,6 +64,14 @@ NAMES = (
     "mapping",
     "photographs",
     "model",
+    "import",
+    "case",
+    "estimates",
+    "about",
+    "splits",
+    "keys",
+    "recordings",
+    "diagnoses",
 )
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from symolo.core.tables.table import NO_NUMBER, number_of
 
 MAX_HEADER_ROWS = 2
 """Most rows of words below the header, such as units and symbols."""
+MAX_NAME_LENGTH = 500
+"""Longest name of a column, in characters; messages contain it."""
 MIN_UNITS = 2
 """Units that a row of units has for each other word in it."""
 
@@ -69,7 +72,7 @@ class LogFile:
         Raises:
             InputError: A cell is no number; the message names its row.
         """
-        values = np.array([self._number(cell) for cell in self.columns[name]])
+        values = self._values(name)
         wrong = np.flatnonzero(np.isinf(values)).tolist()
         if wrong:
             more = f"; rows of this column with such a cell: {len(wrong)}" if len(wrong) > 1 else ""
@@ -84,7 +87,7 @@ class LogFile:
         Raises:
             InputError: A cell is no number, or empty; the message names its row.
         """
-        values = np.array([self._number(cell) for cell in self.columns[name]])
+        values = self._values(name)
         wrong = np.flatnonzero(~np.isfinite(values)).tolist()
         if wrong:
             more = f"; rows without a time: {len(wrong)}" if len(wrong) > 1 else ""
@@ -102,6 +105,19 @@ class LogFile:
         numbers = {value for value in backwards if not isinstance(value, str)}
         cells = self.columns[name]
         return np.array([-1.0 if cell.lower() in texts or number_of(cell) in numbers else 1.0 for cell in cells])
+
+    @cached_property
+    def _read_columns(self) -> dict[str, Array]:
+        """Numbers of the columns that were read so far: proposals, quantities and notes read the same ones."""
+        return {}
+
+    def _values(self, name: str) -> Array:
+        """Return the numbers (N,) of a column, NaN where one is missing and infinity where a cell is no number."""
+        if name not in self._read_columns:
+            values = np.array([self._number(cell) for cell in self.columns[name]])
+            values.flags.writeable = False
+            self._read_columns[name] = values
+        return self._read_columns[name]
 
     def _number(self, cell: str) -> float:
         """Return the number in a cell; NaN if it is missing, and infinity if it is anything else."""
@@ -331,6 +347,11 @@ def _check_header(header: Sequence[str], where: str) -> None:
             "with --names of `symolo case init`, or as header: [t_s, ...] in a mapping file"
         )
         raise InputError("no header", where=where, cure=cure)
+    for number, name in enumerate(header, 1):
+        if len(name) > MAX_NAME_LENGTH:
+            what, allowed = f"the name of column {number} has {len(name)} characters", f"at most {MAX_NAME_LENGTH}"
+            cure = "shorten it, or separate the columns with commas, semicolons or tabs"
+            raise InputError(what, where=where, allowed=allowed, cure=cure)
     for name in dict.fromkeys(header):
         if name and header.count(name) > 1:
             with faults.noted():

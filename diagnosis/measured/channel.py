@@ -37,6 +37,10 @@ class SampleQuality(IntEnum):
     """Repeated value of an earlier time."""
 
 
+_MISSING = int(SampleQuality.MISSING)
+"""A look-up of a member of an enumeration takes as long as a comparison of a short column."""
+
+
 @dataclass(frozen=True)
 class Channel:
     """Logged samples of one quantity, with their quality and noise."""
@@ -66,11 +70,11 @@ class Channel:
         clock: str = "log",
     ) -> "Channel":
         """Return a channel whose NaN are missing and whose other samples are good unless a mask (N,) marks them."""
-        quality = np.full(len(series.t_s), SampleQuality.GOOD, dtype=np.int8)
+        quality = np.zeros(len(series.t_s), dtype=np.int8)  # all are good
         for mask, means in ((stale, SampleQuality.STALE), (no_target, SampleQuality.NO_TARGET)):
             if mask is not None:
                 quality[mask] = means
-        quality[np.isnan(series.values)] = SampleQuality.MISSING
+        quality[np.isnan(series.values)] = _MISSING
         return cls(series, role, quality, noise_sd, noise_correlation, clock)
 
     def __post_init__(self) -> None:
@@ -78,7 +82,7 @@ class Channel:
         for what, array in (("quality", self.quality), ("noise_sd", self.noise_sd)):
             if array is not None and array.shape != shape:
                 raise ValueError(f"channel {self.name}: {what} of shape {array.shape} for values of {shape}")
-        if not np.array_equal(np.isnan(self.series.values), self.quality == SampleQuality.MISSING):
+        if (np.isnan(self.series.values) != (self.quality == _MISSING)).any():
             raise ValueError(f"channel {self.name}: NaN and the quality MISSING do not agree")
         self.quality.flags.writeable = False
         if self.noise_sd is not None:
@@ -105,7 +109,7 @@ class Channel:
     @property
     def is_offered(self) -> bool:
         """Return whether the channel has any sample."""
-        return bool(np.any(self.quality != SampleQuality.MISSING))
+        return bool((self.quality != _MISSING).any())
 
     def count(self, quality: SampleQuality) -> int:
         return int(np.count_nonzero(self.quality == quality))

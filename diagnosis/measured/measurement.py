@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -140,8 +141,12 @@ class Measurement:
 
     def has(self, *names: str) -> bool:
         """Return whether all of these channels were logged."""
-        logged = {channel.name for trial in self.trials for channel in trial.channels if channel.is_offered}
-        return logged.issuperset(names)
+        return self._logged.issuperset(names)
+
+    @cached_property
+    def _logged(self) -> frozenset[str]:
+        """Names of the channels with a sample in any trial; one look at each of thousands of trials."""
+        return frozenset(channel.name for trial in self.trials for channel in trial.channels if channel.is_offered)
 
     @property
     def heldout_rows(self) -> int:

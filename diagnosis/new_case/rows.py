@@ -343,13 +343,14 @@ def _late_motion(part: _Rows, last: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _trial(name: str, part: _Rows, holdout: NDArray[np.bool_], kind: CaseKind, begins_s: float) -> Trial:
+    absent = np.full(len(part.t_s), np.nan)
     channels = tuple(
         Channel.logged(
             TimeSeries(
                 column.name,
                 column.unit,
                 part.t_s,
-                part.values[column.name].copy() if column.name in part.values else np.full(len(part.t_s), np.nan),
+                part.values[column.name].copy() if column.name in part.values else absent,
             ),
             Role(column.role),
             clock="camera" if column.name in CAMERA_CHANNELS else "log",

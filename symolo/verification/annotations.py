@@ -1,5 +1,6 @@
 """Checks of the annotations of a released run: files, their form, and ids that no table has."""
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -45,13 +46,13 @@ Fault = tuple[str, str]
 def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Fault]:
     """Yield every fault of the annotations of a run; without its specification, cameras and poses are not checked."""
     numbers = rows.image[rows.image > 0].tolist()
-    there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    there = set(_files_below(folder))
     expected = set(_expected(numbers, record))
     for name in sorted(expected - there):
         yield name, "is missing"
     for name in sorted(there - expected):
         yield name, "is none of the annotations that metadata.json names"
-    known, category_of = set(range(2**16)), None
+    known, category_of = None, None
     if DOCUMENT in expected & there:
         try:
             document = AnnotationDocument.from_json(read_file(folder / DOCUMENT, FileKind.ANNOTATIONS))
@@ -68,6 +69,13 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocu
             if not strange:
                 category_of = {one.id: one.category_id for one in document.instances}
     yield from _image_faults(folder, (expected & there) - {DOCUMENT}, record, known, category_of)
+
+
+def _files_below(folder: Path) -> Iterator[str]:
+    """Yield the path within a folder of everything that is a file or a link to one."""
+    for place, _, names in os.walk(folder):
+        within = "" if place == str(folder) else f"{Path(place).relative_to(folder).as_posix()}/"
+        yield from (f"{within}{name}" for name in names if os.path.isfile(f"{place}/{name}"))  # noqa: PTH113
 
 
 def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
@@ -131,7 +139,7 @@ def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known
 
 
 def _image_faults(
-    folder: Path, names: Iterable[str], record: RunRecord, known: set[int], category_of: dict[int, int] | None
+    folder: Path, names: Iterable[str], record: RunRecord, known: set[int] | None, category_of: dict[int, int] | None
 ) -> Iterator[Fault]:
     """Yield the faults of the images.
 
@@ -139,7 +147,7 @@ def _image_faults(
         folder: The annotations.
         names: Images in it.
         record: The run.
-        known: Ids of instances, and 0.
+        known: Ids of instances, and 0; None where the document does not say them.
         category_of: Category of each instance; None where the document does not say it.
     """
     size = record.image_width_px, record.image_height_px
@@ -168,8 +176,8 @@ def _form_fault(kind: str, pixels: np.ndarray, size: tuple[int, int]) -> str:
     return ""
 
 
-def _id_fault(pixels: np.ndarray, known: set[int]) -> str:
-    strange = set(np.unique(pixels).tolist()) - known
+def _id_fault(pixels: np.ndarray, known: set[int] | None) -> str:
+    strange = set(np.unique(pixels).tolist()) - known if known is not None else ()
     return f"has the id {min(strange)}, which {DOCUMENT} does not name" if strange else ""
 
 

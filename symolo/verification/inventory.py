@@ -44,34 +44,30 @@ class Files:
         def unreadable(error: OSError) -> None:
             strange[Path(str(error.filename)).relative_to(root).as_posix()] = f"cannot be read: {error.strerror}"
 
-        for path in sorted(_entries(root, unreadable)):
-            name = path.relative_to(root).as_posix()
+        entries, empty = _entries(root, unreadable)
+        for name in sorted(entries, key=lambda name: name.split("/")):
             try:
-                digests[name] = sha256_of(path, FileKind.ANY)
+                digests[name] = sha256_of(root / name, FileKind.ANY)
             except UnsafeFileError as error:
                 strange[name] = error.problem
             except OSError as error:
                 strange[name] = f"cannot be read: {error.strerror}"
-        empty = (path.relative_to(root).as_posix() for path in _empty_folders(root))
         return cls(digests, strange, frozenset(empty))
 
 
-def _empty_folders(root: Path) -> Iterator[Path]:
-    for folder, folders, files in os.walk(root):
-        if Path(folder) == root:
+def _entries(root: Path, unreadable: Callable[[OSError], None]) -> tuple[list[str], list[str]]:
+    """Return the paths within a folder of all but folders, and those of empty folders; links are not followed."""
+    entries, empty = [], []
+    for place, folders, files in os.walk(root, onerror=unreadable):
+        if place == str(root):
+            within = ""
             folders[:] = [name for name in folders if name != STAGES]
-        elif not folders and not files:
-            yield Path(folder)
-
-
-def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path]:
-    """Yield everything below a folder that is no folder itself; a link to a folder is not followed."""
-    for folder, folders, files in os.walk(root, onerror=unreadable):
-        here = Path(folder)
-        if here == root and STAGES in folders:
-            folders.remove(STAGES)
-        yield from (here / name for name in files)
-        yield from (here / name for name in folders if (here / name).is_symlink())
+        else:
+            within = f"{Path(place).relative_to(root).as_posix()}/"
+            empty += [] if folders or files else [within[:-1]]
+        links = [name for name in folders if os.path.islink(f"{place}/{name}")]  # noqa: PTH114 - once for each folder
+        entries += [within + name for name in (*files, *links)]
+    return entries, empty
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,15 @@ from symolo.reader.dataset import load
 from symolo.signing.minisign import PublicKey, Signature
 from symolo.storage.download import Remote, download
 from symolo.verification.verify import verify
-from tests.fuzz import dataset_documents, model_reader, named_files, rosbag_reader, shape_readers
+from tests.fuzz import (
+    dataset_documents,
+    log_readers,
+    model_reader,
+    named_files,
+    rosbag_reader,
+    shape_readers,
+    small_files,
+)
 from tests.fuzz.folders import CORPUS, Folder, files, sealed, valid_copy
 from tests.fuzz.guard import Read
 
@@ -324,6 +332,7 @@ LONG = {
     "values of a specification": ("dataset", _dataset_with_a_long_specification()),
     "curves": ("drawing", shape_readers.drawing_of_many_curves()),
     "metadata of a bag": ("rosbag", rosbag_reader.bag_of_long_metadata()),
+    "trials of a log": ("case", log_readers.log_of_many_trials()),
 }
 """Reader and input by what is long in it; they were read in more than 2 s."""
 READERS = {
@@ -350,5 +359,13 @@ READERS = {
         Reader("mapping", named_files.mappings, named_files.mapping_reader),
         Reader("photographs", named_files.photographs, named_files.photographs_reader),
         Reader("model", model_reader.models, model_reader.model_reader),
+        Reader("import", log_readers.trajectories, log_readers.import_reader),
+        Reader("case", log_readers.logs_of_cases, log_readers.case_reader),
+        Reader("estimates", small_files.estimates, small_files.estimates_reader),
+        Reader("about", small_files.abouts, small_files.about_reader),
+        Reader("splits", small_files.splits, small_files.splits_reader),
+        Reader("keys", small_files.keys, small_files.keys_reader),
+        Reader("recordings", small_files.recordings, small_files.recordings_reader),
+        Reader("diagnoses", small_files.diagnoses, small_files.diagnoses_reader),
     )
 }

@@ -237,3 +237,10 @@ def test_decimals_may_have_commas_between_tabs(read):
 def test_a_cell_of_any_length_is_read(read):
     """The csv module of Python stops at 131,072 characters."""
     assert len(read(f't_s,name\n0,"{"a" * 200_000}"\n1,b\n').columns["name"][0]) == 200_000
+
+
+def test_a_name_of_a_column_that_fills_a_screen_is_refused_and_not_repeated(read):
+    with pytest.raises(InputError, match="the name of column 2 has 501 characters; allowed: at most 500") as raised:
+        read(f"t_s,{501 * 'x'}\n0,1\n")
+    assert len(str(raised.value)) < 400
+    assert list(read(f"t_s,{500 * 'x'}\n0,1\n").columns) == ["t_s", 500 * "x"]

@@ -25,7 +25,7 @@ class TimeSeries:
     def __post_init__(self) -> None:
         if self.t_s.ndim != 1 or len(self.values) != len(self.t_s):
             raise ValueError(f"series {self.name}: {len(self.values)} values for {self.t_s.shape} times")
-        if np.any(np.diff(self.t_s) <= 0):
+        if (self.t_s[1:] <= self.t_s[:-1]).any():
             raise ValueError(f"series {self.name}: time is not strictly increasing")
         self.t_s.flags.writeable = False
         self.values.flags.writeable = False
