@@ -37,6 +37,7 @@ from diagnosis.inference.unexplained.drift.rivals import (
     lines,
     short_noise,
 )
+from diagnosis.inference.unexplained.drift.sawtooth import squares_of_sawtooth
 from diagnosis.inference.unexplained.drift.switching import squares_of_switching
 from diagnosis.measured.channel import Mask
 from sensors.effects.range_sensor.range_wander import RangeWander
@@ -254,20 +255,21 @@ class DriftSearch:
             # Size, phase and length.
             for cost in costs_of_waves(seen.fit, self.ranges, self.rows):
                 yield cost + 2.0 * PARAMETER_PENALTY
-            yield self._cost_of_switching(seen)
+            # Two moments in a period count as those of a jump; a sawtooth has one.
+            yield self._cost_of_repeating(seen, *squares_of_switching(seen.series), 2)
+            yield self._cost_of_repeating(seen, *squares_of_sawtooth(seen.series), 1)
         # These have as many numbers as the drift, so that they only need to be less likely.
         white = self.cost_of_white_noise(seen.fit)
         tried = seen.fit, self.times_s, self.ranges, self.time_s, self.rows
         for gain in gains_of_others(*tried, is_bench=self.is_bench):
             yield white - gain + PARAMETER_PENALTY
 
-    def _cost_of_switching(self, seen: DriftFit) -> float:
-        """Return the penalised cost of white noise about an offset that switches on and off with a period.
+    def _cost_of_repeating(self, seen: DriftFit, squares: float, periods: float, moments: int) -> float:
+        """Return the penalised cost of white noise about an offset that repeats, which leaves squares.
 
-        Two moments in a period count as those of a jump, and all whole numbers of periods share the probability.
+        All whole numbers of periods share the probability.
         """
-        squares, periods = squares_of_switching(seen.series)
-        numbers = 2 * MOMENT_PARAMETERS
+        numbers = moments * MOMENT_PARAMETERS
         return seen.series.cost_of(squares) + PARAMETER_PENALTY * numbers + 2.0 * float(np.log(periods))
 
     def _rise_with_jump(self, seen: DriftFit, fit: HypothesisFit) -> float:

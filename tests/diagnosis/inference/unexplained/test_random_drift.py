@@ -116,6 +116,13 @@ def test_an_offset_that_switches_on_and_off_is_no_random_drift(diagnosed, period
     assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
 
 
+def test_an_offset_that_grows_and_is_reset_is_no_random_drift(diagnosed):
+    """A sensor that calibrates itself again and again."""
+    diagnosis = diagnosed(lambda t_s: -0.0244 * ((t_s / 83.0 + 0.27) % 1.0))
+    assert diagnosis.names == ()
+    assert diagnosis.conclusion is CaseVerdict.UNEXPLAINED
+
+
 @pytest.mark.parametrize(("p", "is_named"), [(1e-6, False), (0.5, True)])
 def test_a_random_drift_that_leaves_structure_over_time_is_a_part_of_it(drifting, monkeypatch, p, is_named):
     """Half a sigma of any other error over time could be the drift of a zero, but that is what the drift explains."""
