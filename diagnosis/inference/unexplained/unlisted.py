@@ -17,17 +17,18 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.memoized import memoized
-from diagnosis.inference.fitting.fit import HypothesisFit
+from diagnosis.inference.fitting.fit import HypothesisFit, fits
 from diagnosis.inference.fitting.likelihood import CORNER, costs_of_residuals, fitted_noise, weights
 from diagnosis.inference.fitting.noise_effects import fixed_levels
 from diagnosis.inference.fitting.projection import orthonormal
 from diagnosis.inference.selection.penalty import PARAMETER_PENALTY
 from diagnosis.inference.selection.removal import without
-from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, may_be_of_logger
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, may_be_of_logger
 from diagnosis.inference.unexplained.equivalent_errors import is_error_of_own_effect
 from diagnosis.inference.unexplained.forms import CHANGED, Bump, Form, forms
 from diagnosis.inference.unexplained.series_forms import series_forms
 from diagnosis.measured.channel import Mask
+from diagnosis.nuisances import Nuisance
 from symolo.core.arrays import Array
 
 MAX_SAMPLES = 2000
@@ -48,6 +49,12 @@ REFINEMENTS = 40
 """Largest number of fits with other middles and widths of a bump."""
 MORE_THAN_OUTLIERS = 9.0
 """Smallest fall of the cost of those rows that a form does not go through anyway; three standard errors."""
+BETWEEN = (0.25, 0.5, 0.75)
+"""Shares of the way from one form to the next, where the number that was chosen may lie."""
+IMITATES = 3.0
+"""Deviation in tolerances from which a nominal parameter may imitate an error."""
+SIZE_IN_TOLERANCES = 0.1
+"""Size of a form that is fitted again, in standard deviations of a prior that hardly matters."""
 FORBIDDEN = 1e9
 """Cost of a bump outside the data."""
 SETTLED = 0.05
@@ -82,21 +89,29 @@ class FittedForm:
     can go through as many outliers."""
     kinds: int = 1
     """Number of kinds of forms, along all covariates, of which this one is the best."""
+    refit: HypothesisFit | None = None
+    """The fit with the form, where everything else is fitted again exactly; None where it is linearised."""
 
 
 def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, result: Adequacy) -> Adequacy:
     """Return the structures of a fit with the form that explains more than its effects, or else the best beside them.
 
+    If the fit leaves a structure, a form takes its place only if it leaves none.
+
     The probability of a form by chance is exp(-fall / 2), a penalised likelihood ratio, times the number of kinds of
     forms (Bonferroni).
     """
-    if result.has_cause:
-        return result
     bases = [nominal] if len(fit.hypothesis.effects) == 1 else []
     if len(fit.hypothesis.effects) > 1:
         bases = [nominal, *(without(evidence, fit, effect) for effect in fit.hypothesis.effects)]
     rivals = [(advantage(evidence, base, fit), best_form(evidence, base)) for base in bases]
-    better = [(ahead, form) for ahead, form in rivals if form is not None and ahead >= BETTER]
+    better = [
+        (ahead, form)
+        for base, (ahead, form) in zip(bases, rivals, strict=True)
+        if form is not None and ahead >= BETTER and (not result.has_cause or _leaves_nothing(evidence, base, form))
+    ]
+    if result.has_cause and not better:
+        return result
     if better:
         ahead, form = max(better, key=lambda pair: pair[0])
         strongest = _structure(evidence, form, explainable=ahead, is_of_outliers=False)
@@ -173,12 +188,15 @@ def best_form(evidence: Evidence, fit: HypothesisFit) -> FittedForm | None:
             f for f, (_, fall) in zip(tried, best, strict=True) if isinstance(f.form, Bump) and fall > PARAMETER_PENALTY
         ]
         fitted += [*tried, *(_refined(evidence, fit, bump, weight) for bump in bumps[:REFINED])]
+        fitted += _between(evidence, fit, [listed[k] for k, _ in best], weight)
     more_than_outliers = [f for f in fitted if f.beyond_chance >= MORE_THAN_OUTLIERS]
     if not more_than_outliers:
         return None
     top = max(f.fall for f in more_than_outliers)
     # Along a sweep, voltage, current and speed grow together, so that a form is the same along each of them.
     best = min((f for f in more_than_outliers if f.fall >= top - ALIKE_FALL), key=lambda f: (f.form.rank, -f.fall))
+    # Parameters far off, which imitate the error, return into their tolerances beside it: too far for a linear fit.
+    best = _refitted(evidence, fit, best) if _is_imitated(fit) else best
     return replace(best, kinds=len({(number, form.covariate, form.what) for number, form, _ in listed}))
 
 
@@ -267,6 +285,62 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
     return FittedForm(
         number, form, best_size * column, fall - PARAMETER_PENALTY * numbers, heldout_fall, fall, beyond_chance
     )
+
+
+def _between(
+    evidence: Evidence, fit: HypothesisFit, best: Sequence[tuple[int, Form, Array]], weight: Array
+) -> Iterator[FittedForm]:
+    """Yield forms between the two best, if these differ only in a number that was chosen from a list."""
+    if len(best) < ALIKE:
+        return
+    (number, form, column), (other_number, other, other_column) = best[:ALIKE]
+    if form.chosen and (number, form.covariate, form.what) == (other_number, other.covariate, other.what):
+        for share in BETWEEN:
+            yield _fitted(evidence, fit, number, form, (1.0 - share) * column + share * other_column, weight)
+
+
+def _refitted(evidence: Evidence, fit: HypothesisFit, fitted: FittedForm) -> FittedForm:
+    """Return a form of a time series with everything else fitted again exactly; others as they are."""
+    hypothesis = fit.hypothesis
+    if hypothesis.fixed or not evidence.observed[fitted.quantity].is_series:
+        return fitted
+    # At its size the form is a tenth of its tolerance, so that the prior on its size hardly matters.
+    by_place = [
+        evidence.unwhitened(k, (fitted.column * fit.sd)[place] / SIZE_IN_TOLERANCES)
+        for k, place in enumerate(evidence.places)
+    ]
+    size = Nuisance("form", 0.0, 1.0, "", lambda robot, _: robot, np.concatenate(by_place))
+    nuisances = len(hypothesis.nuisances)
+    with_form = replace(hypothesis, nuisances=(*hypothesis.nuisances, size))
+    starts = [np.insert(x, nuisances, SIZE_IN_TOLERANCES) for x in (fit.x, _within_tolerances(fit))]
+    refit = min(fits(evidence, [(with_form, x) for x in starts]), key=lambda each: each.cost)
+    share, fall = float(refit.x[nuisances]) / SIZE_IN_TOLERANCES, fit.cost - refit.cost
+    falls = np.maximum((fit.costs - refit.costs)[evidence.fit], 0.0)
+    numbers = 1 + fitted.form.chosen
+    return replace(
+        fitted,
+        column=share * fitted.column,
+        fall=fall - PARAMETER_PENALTY * numbers,
+        explainable=fall,
+        beyond_chance=float(np.sort(falls)[: len(falls) - numbers].sum()),
+        refit=refit,
+    )
+
+
+def _is_imitated(fit: HypothesisFit) -> bool:
+    """Return whether nominal parameters are so far off that they may imitate an error."""
+    return bool(np.abs(fit.x[: len(fit.hypothesis.nuisances)]).max(initial=0.0) >= IMITATES)
+
+
+def _within_tolerances(fit: HypothesisFit) -> Array:
+    """Return the coordinates of a fit with all nuisances at their nominal values."""
+    return np.where(np.arange(len(fit.x)) < len(fit.hypothesis.nuisances), 0.0, fit.x)
+
+
+def _leaves_nothing(evidence: Evidence, base: HypothesisFit, fitted: FittedForm) -> bool:
+    """Return whether a base with a form of a time series leaves no structure with an unknown cause."""
+    refit = fitted.refit or _refitted(evidence, base, fitted).refit
+    return refit is not None and not adequacy(evidence, refit).has_cause
 
 
 def _refined(evidence: Evidence, fit: HypothesisFit, fitted: FittedForm, weight: Array) -> FittedForm:

@@ -12,6 +12,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.base import SESSION_TIME, Covariate, CovariateShape, InputResponse, Observed, Predicted
 from diagnosis.predictors.distinct import KnownPredictions
 from diagnosis.predictors.grid import Grid
+from diagnosis.predictors.motor.inductance import INDUCTANCE, TIME_CONSTANTS, inductive_motions
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
 from diagnosis.predictors.turning_response import TurningResponse
 from physics.drivetrain.motion import voltage_trend
@@ -48,7 +49,7 @@ class MotorStep:
         self._voltage_V = self._grid.zero_order_hold(trials, "u_cmd_V")
         self._known = KnownPredictions(PARTS, SLOTS, self._motions)
         current, speed = (mean[0] for mean in self._means([nominal]))
-        input_errors = self._input_errors(nominal)
+        input_errors = [a + b for a, b in zip(self._input_errors(nominal), self._inductances(nominal), strict=True)]
         voltage_V = self._grid.of_rows(self._voltage_V)
         since_s, step_V = (self._grid.of_rows(samples) for samples in self._since_step())
         measured = good_values(measurement, "omega_rad_s")
@@ -138,6 +139,26 @@ class MotorStep:
         return tuple(
             tuple(InputResponse(*key, change) for key, change in zip(errors, each[::2] - each[1::2], strict=True))
             for each in self._read([nominal] * len(factors), motions)
+        )
+
+    def _inductances(self, nominal: RobotConfig) -> tuple[tuple[InputResponse, ...], ...]:
+        """Return the responses of current and speed to inductances of the winding."""
+        model = RobotModel.from_config(nominal)
+        stacked_model = RobotModel.from_config(
+            stacked([nominal], axes=2, lengths=(len(TIME_CONSTANTS) * len(self._grid.begins_s),))
+        )
+        begins_s = np.tile(self._grid.begins_s, len(TIME_CONSTANTS))
+        motions = inductive_motions(
+            model.motors.right,
+            self._voltage_V,
+            self._grid.period_s,
+            lambda voltage_V: self._moved(stacked_model, voltage_V, begins_s),
+            self._motions([nominal])[0],
+        )
+        changes = zip(self._read([nominal] * len(motions), motions), self._means([nominal]), strict=True)
+        return tuple(
+            tuple(InputResponse("time_since_step_s", INDUCTANCE, change, chosen=1) for change in read - nominal_read)
+            for read, nominal_read in changes
         )
 
     def _responses(
