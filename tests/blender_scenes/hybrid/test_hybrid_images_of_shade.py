@@ -111,7 +111,8 @@ def images(lights_of) -> dict[str, np.ndarray]:
     }
     orders = [(job, 1, [1]) for job in jobs.values()]
     orders += [(_rail_job(None, LAMP), 1, [1]), (_rail_job(), 1, [1]), (_rail_job(), 2, [2, 1]), (_bar_job(), 1, [1])]
-    coarser = [2 if job is jobs["foot"] else 4 for job, _, _ in orders]  # a wall there is one or two texels thick
+    # Light of a wall, and a wall that is one or two texels thick, take maps with finer texels than what moves does.
+    coarser = [2] * len(jobs) + [4] * (len(orders) - len(jobs))
     *alone, two, bar = lights_of(*orders, coarser=coarser)
     names = [*jobs, "rail and lamp", "rail 1", "rail 2", "rail 1 after 2", "bar"]
     lights = zip(names, [*alone, two[:1], two[1:], bar], strict=True)
