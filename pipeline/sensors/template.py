@@ -5,7 +5,7 @@ from sensors.registry import SENSORS
 from symolo.core.errors import InputError
 from symolo.dataset.tables.sensor_tables import TAKEN_NAMES
 
-TEXT = '''"""A compass: change it to the sensor that you have."""
+TEXT = '''"""An example of a sensor, a compass: change it to the sensor that you have."""
 
 import numpy as np
 from pydantic import Field
