@@ -25,6 +25,8 @@ OPERATIONS, MEMORY_BYTES = 1 << 25, 1 << 30
 """Limits of minisign for scrypt: some seconds and 1 GiB of memory for each passphrase that is tried."""
 MAX_MEMORY_BYTES = (1 << 31) - (1 << 20)
 """Largest memory that `hashlib.scrypt` may be allowed; a file that asks for more is refused."""
+MAX_OPERATIONS = 4 * OPERATIONS
+"""Largest number of operations, 4 N r p, for a passphrase; a file could ask for hours of them in little memory."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,8 @@ def _stretched(passphrase: str, salt: bytes, operations: int, memory_bytes: int)
     n, r, p = scrypt_parameters(operations, memory_bytes)
     if 128 * n * r > MAX_MEMORY_BYTES:
         raise ValueError(f"its passphrase would take {128 * n * r / (1 << 30):.3g} GiB of memory to check")
+    if 4 * n * r * p > MAX_OPERATIONS:
+        raise ValueError(f"its passphrase would take {4 * n * r * p / OPERATIONS:.3g} times as long to check as usual")
     options = {"n": n, "r": r, "p": p, "maxmem": MAX_MEMORY_BYTES, "dklen": SECRET_BYTES}
     return hashlib.scrypt(passphrase.encode(), salt=salt, **options)
 

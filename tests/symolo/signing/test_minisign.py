@@ -1,6 +1,7 @@
 """Keys and signatures in the formats of minisign; what is expected is in RFC 8032 and in files of minisign 0.11."""
 
 import errno
+import time
 from pathlib import Path
 
 import pytest
@@ -179,3 +180,14 @@ def test_a_missing_key_is_named(tmp_path):
 def test_the_number_of_a_key_has_no_leading_zeros():
     """minisign 0.11 prints this number for these bytes, as `minisign -R` shows."""
     assert name_of(bytes([1, 2, 3, 4, 5, 6, 7, 0])) == "7060504030201"
+
+
+@pytest.mark.parametrize(("operations", "memory_bytes"), [(1 << 28, 1 << 30), (1 << 36, 1 << 24), (1 << 60, 1 << 20)])
+def test_a_key_file_that_asks_for_hours_is_refused_before_them(operations, memory_bytes):
+    slow = SecretKeyFile(
+        encrypted=True, salt=bytes(32), operations=operations, memory_bytes=memory_bytes, secret=bytes(104)
+    )
+    begin = time.process_time()
+    with pytest.raises(ValueError, match="times as long to check as usual"):
+        slow.opened("password")
+    assert time.process_time() - begin < 1.0
