@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from configs.schema.robot import RobotConfig
 from pipeline.work.units import DiagnosisSettings
 from symolo.core.errors import InputError
+from symolo.core.files.paths import check_path
 from symolo.core.files.plain_files import FileKind, read_file
 
 MADE_FROM = "made_from.json"
@@ -16,7 +18,7 @@ class MadeFrom(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    cases: tuple[str, ...]
+    cases: tuple[str, ...] = Field(min_length=1)
     """Absolute paths of the cases; a name that is no path, such as `table-1`, stays as it is."""
     importer: str | None = None
     part: str | None = None
@@ -63,9 +65,12 @@ def read_made_from(folder: Path) -> MadeFrom:
         raise InputError(f"there is no {MADE_FROM}", where=str(folder), cure=cure)
     try:
         made_from = MadeFrom.model_validate_json(read_file(file, FileKind.DOCUMENT))
+        if made_from.nominal:
+            RobotConfig.model_validate_json(made_from.nominal)
     except ValidationError as error:
         raise InputError("cannot be read", where=str(file), cure="diagnose the case again") from error
     for path in made_from.paths:
+        check_path(path, str(file))
         if path.is_absolute() and not path.exists():
             cure = f"put it back, or diagnose it where it is now with --out {folder}"
             raise InputError(f"the case {path} is no longer there", where=str(file), cure=cure)

@@ -137,14 +137,15 @@ def diagnoses() -> list[bytes]:
 
 
 def diagnoses_reader(place: Path) -> Read:
-    """Read the record of a diagnosis and the cases of which it was made, as `symolo next` does."""
+    """Read the record of a diagnosis and the first cases of which it was made, as `symolo next` reads all of them."""
     cases = valid_copy("logs", place)
 
     def read(data: bytes) -> None:
         (place / MADE_FROM).write_bytes(data.replace(b"CASES", str(cases).encode()))
         made_from = read_made_from(place)
-        robot_of(made_from.settings)
-        read_case(made_from.paths[0], made_from.settings)
+        settings = made_from.settings
+        robot_of(settings)
+        read_case(made_from.paths[0], settings.model_copy(update={"together": settings.together[:2]}))
 
     return read
 

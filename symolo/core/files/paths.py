@@ -21,7 +21,7 @@ def check_path(path: Path, where: str) -> None:
     """Refuse a path that the system or a file in UTF-8 cannot hold; a path at which there is nothing is accepted.
 
     Raises:
-        InputError: It is not UTF-8, too long, a loop of links, or not accessible.
+        InputError: It is not UTF-8, has a null character, is too long, a loop of links, or not accessible.
     """
     try:
         str(path).encode()
@@ -31,6 +31,8 @@ def check_path(path: Path, where: str) -> None:
         path.stat()
     except (FileNotFoundError, NotADirectoryError):
         pass
+    except ValueError:
+        raise InputError("has a null character", where=where, got=str(path), cure="choose another name") from None
     except OSError as error:
         raise InputError(f"cannot be used: {error.strerror}", where=where, got=str(path)) from None
 
