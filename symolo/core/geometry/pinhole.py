@@ -90,8 +90,8 @@ def pose_X_RC(camera: MountedCamera, base_height_m: float) -> Array:
 def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
     """Return the pixels (N, 2) of points (N, 3) in W, and their depths (N,) along the axis [m].
 
-    A point with a depth of zero or less is behind the camera and its pixel means nothing. A point so far aside that the
-    lens model would fold it back has NaN. For a fisheye lens, the depth is the distance from the lens, with a negative
+    A point with a depth of zero or less is behind the camera, and its pixel is NaN. So is that of a point so far aside
+    that the lens model would fold it back. For a fisheye lens, the depth is the distance from the lens, with a negative
     sign beyond the field of view.
     """
     p_C = (p_W - X_WC[:3, 3]) @ X_WC[:3, :3]

@@ -98,8 +98,9 @@ def test_a_ray_above_the_horizon_meets_no_floor(robot):
 
 
 def test_a_point_behind_the_camera_has_negative_depth(robot):
-    _, depth = project(intrinsics(robot.camera, 160, 120), _X_WC(robot), np.array([[-1.0, 0.0, 0.1]]))
+    pixel, depth = project(intrinsics(robot.camera, 160, 120), _X_WC(robot), np.array([[-1.0, 0.0, 0.1]]))
     assert depth[0] < 0
+    assert np.isnan(pixel).all()
 
 
 TURNS = (("z", 20.0), ("y", 30.0), ("z", 10.0))
