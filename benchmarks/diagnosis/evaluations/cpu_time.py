@@ -122,11 +122,17 @@ def run(checkout: Path, case: Path) -> Run:
 def run_of_command(checkout: Path, case: Path) -> Run:
     """Return a diagnosis by the command of a checkout, with the time of all its processes."""
     minutes = json.loads(printed_by(checkout, DIAGNOSE, str(case.resolve()), "--command"))["minutes"]
-    before_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    before_s = children_s()
     with tempfile.TemporaryDirectory() as folder:
         words = ("diagnose", str(case.resolve()), "--out", f"{folder}/diagnosis", "--json")
         answer = json.loads(printed_by(checkout, COMMAND, *words))
-    return Run((resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before_s) / minutes, answer, minutes)
+    return Run((children_s() - before_s) / minutes, answer, minutes)
+
+
+def children_s() -> float:
+    """Return the CPU time of all child processes that have ended, with that of the system for them."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def printed_by(checkout: Path, program: str, *arguments: str) -> str:
