@@ -9,6 +9,7 @@ from scipy.stats import t as student_t
 from benchmarks.diagnosis.independent_cases.beyond import WORSE
 from benchmarks.diagnosis.independent_cases.case import make_cases
 from benchmarks.diagnosis.independent_cases.disturbances import Plan, correlated_noise, outlier_masks
+from benchmarks.diagnosis.independent_cases.drives import simulation as drive_simulation
 from benchmarks.diagnosis.independent_cases.drives import wheels as drive_wheels
 from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 from benchmarks.diagnosis.independent_cases.motors.motor import Motor
@@ -248,3 +249,20 @@ def test_a_large_share_of_outliers_is_that_of_the_rows():
     for seed in range(20):
         masks = outlier_masks(np.random.default_rng(seed), 40, ["x"], plan)
         assert masks["x"].sum() == 4
+
+
+def test_a_delayed_voltage_of_a_drive_acts_from_its_moment_on():
+    """From rest, the angle is w (t - T (1 - exp(-t / T))) at t since the voltage acts; a mean over 10 ms is a lag."""
+    setting = DriveSetting(np.random.default_rng(0))
+    delay_s, volts, rows = 0.0032, 6.0, 2
+    setting.robot = replace(setting.robot, motor=MOTOR)
+    setting.individual |= VALUES
+    body = drive_simulation._Body(setting, Variant((Effect("input_delay", {"delay_s": delay_s}),)))
+    u = np.full((len(setting.session_s), rows, 2), volts)
+    for step in range(rows * drive_wheels.SUB):
+        body.step(u, *divmod(step, drive_wheels.SUB), np.zeros(u[:, 0].size), np.zeros_like(u[:, 0]))
+    damping = K * K / R + B
+    speed, tau_s = (K * volts / R - TC) / damping, J / damping
+    since_s = rows * drive_wheels.ROW_S - delay_s
+    turned = speed * (since_s - tau_s * (1.0 - np.exp(-since_s / tau_s)))
+    np.testing.assert_allclose(body.angle, turned, rtol=1e-9)

@@ -1,5 +1,6 @@
 """The true robot in closed loop: commands, wheel-speed controller, motors, slip, pose and encoder counts."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from benchmarks.diagnosis.independent_cases.drives.drive_log import DriveSetting
 
 FREE, TURNING, RETURNING = 0, 1, 2
+
+MIN_PART_S = 1e-9  # shorter parts of a sub-step are rounding errors
 
 
 @dataclass(frozen=True)
@@ -95,17 +98,18 @@ class _Controller:
         return np.round(np.clip(volts, -supply, supply), 3)
 
 
-def _delayed(u: Array, k: int, m: int, delay_s: float) -> Array:
-    """Return the mean voltage (trials, 2) over sub-step m of row k where commands act later."""
+def _delayed(u: Array, k: int, m: int, delay_s: float) -> Iterator[tuple[Array, float]]:
+    """Yield the voltages (trials, 2) that act in the parts of sub-step m of row k, and the durations (s) of the parts.
+
+    Commands act later by a delay. A mean voltage over the sub-step would act like a lag.
+    """
     end = k * ROW_S + (m + 1) * FINE_S - delay_s
     begin = end - FINE_S
     past = int(np.ceil(delay_s / ROW_S + 1e-9))
-    total = np.zeros(u[:, 0].shape)
-    for i in range(max(0, k - past), k + 1):
-        overlap = max(0.0, min(end, (i + 1) * ROW_S) - max(begin, i * ROW_S))
-        if overlap > 0:
-            total = total + u[:, i] * overlap
-    return total / FINE_S
+    for i in range(k - past - 1, k + 1):
+        overlap = min(end, (i + 1) * ROW_S) - max(begin, i * ROW_S)
+        if overlap > MIN_PART_S:
+            yield (u[:, i] if i >= 0 else np.zeros_like(u[:, 0])), overlap
 
 
 class _Body:
@@ -142,9 +146,11 @@ class _Body:
 
     def step(self, u: Array, k: int, m: int, torque: Array, slip: Array) -> None:
         """Go on by one fine step with the voltages of all rows so far, a random torque (N m) and random slip."""
-        now = _delayed(u, k, m, self.delay_s) if self.delay_s > 0 else u[:, k]
-        command = now.reshape(-1) * self.battery[:, k]
-        self.w, turned = substep(self.p, command, self.w, self.angle, sources=self.sources, torque=torque)
+        turned = np.zeros_like(self.angle)
+        for now, h in _delayed(u, k, m, self.delay_s) if self.delay_s > 0 else ((u[:, k], FINE_S),):
+            command, angle = now.reshape(-1) * self.battery[:, k], self.angle + turned
+            self.w, more = substep(self.p, command, self.w, angle, sources=self.sources, torque=torque, h=h)
+            turned = turned + more
         pairs = turned.reshape(-1, 2)
         middle = self.angle.reshape(-1, 2) + 0.5 * pairs
         self.angle = self.angle + turned

@@ -84,15 +84,22 @@ def _sagged(p: Lanes, source: Array, u: Array, w: Array) -> Array:
 
 
 def substep(
-    p: Lanes, volts: Array, w: Array, angle: Array, *, sources: Array | None = None, torque: Array | float = 0.0
+    p: Lanes,
+    volts: Array,
+    w: Array,
+    angle: Array,
+    *,
+    sources: Array | None = None,
+    torque: Array | float = 0.0,
+    h: float = FINE_S,
 ) -> tuple[Array, Array]:
-    """Return speed (rad/s) and turned angle (rad) of all wheels after one fine step; sources are in ohm."""
+    """Return speed (rad/s) and turned angle (rad) of all wheels after h seconds; sources are in ohm."""
     u = volts
     if sources is not None:
-        first = advance(p, _sagged(p, sources, volts, w), w, angle, h=FINE_S, torque=torque)
+        first = advance(p, _sagged(p, sources, volts, w), w, angle, h=h, torque=torque)
         u = _sagged(p, sources, volts, 0.5 * (w + first))
-    after, mean = moved(p, u, w, angle, h=FINE_S, torque=torque)
-    return after, FINE_S * mean
+    after, mean = moved(p, u, w, angle, h=h, torque=torque)
+    return after, h * mean
 
 
 def run(setting: "DriveSetting", variants: Sequence[Variant], trials: Sequence[int], u: Array, path: Array) -> Array:
