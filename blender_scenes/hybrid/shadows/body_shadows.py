@@ -1,18 +1,19 @@
 """Shadows of moving things in a small light: where they may lie on the floor, and how much of it they let through."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import cv2
 import numpy as np
 
 from blender_scenes.hybrid.floor.sight import MIDDLE, FilterPoint, FloorSight
 from blender_scenes.hybrid.shadows.casters import Caster, casters
-from blender_scenes.hybrid.shadows.shadow_mask import ShadowMask, shadow_mask
+from blender_scenes.hybrid.shadows.shadow_mask import enclosing, point_masks, shadow_mask, share_past_all
 from blender_scenes.hybrid.shadows.small_lights import SmallLight, on_floor
 from blender_scenes.scene.description import Mesh
 from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array, FloatImage
-from symolo.core.geometry.poses import pose_X_WR
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
 _TEXEL_PX = 0.75
 """Size of a texel of a shadow, in pixels of the nearest floor that it may reach."""
@@ -66,35 +67,75 @@ class BodyShadows:
             rows: Rows.
         """
         pixel_m = float(np.nanmin(sight.pixel_m()[0][rows]))
-        moments = moments_of(view)
-        share = np.ones(filters[0][1][rows].shape, np.float32)
-        for number, (shapes, vertices) in enumerate(zip(self._shapes, self._bodies, strict=True)):
-            if not shapes:
-                continue
-            poses = [(moment.robot_pose, *moment.moving)[number] for moment in moments]
+        shares = []
+        for number, poses in self._poses(view):
             ground = sight.in_body(view, MIDDLE, poses, rows)
-            mask = self._mask(shapes, vertices, pose_X_WR(*poses[len(poses) // 2]), ground, pixel_m)
-            if mask is None:
-                continue
-            for points, where in filters:
-                if where[rows].any():
-                    seen = sum(mask.at(sight.in_body(view, point, poses, rows)) for point in points) / len(points)
-                    share *= np.where(where[rows], seen, 1)
+            if rectangle := self._rectangle(number, poses, ground, pixel_m, self._points(number, pixel_m)):
+                mask, seen = shadow_mask(*rectangle), partial(sight.in_body, view, poses=poses, rows=rows)
+                share_at = partial(lambda mask, seen, point: mask.at(seen(point)), mask, seen)
+                shares.append(_filtered(filters, (rows, slice(None)), share_at))
+        share = np.ones(filters[0][1][rows].shape, np.float32)
+        for each in shares:
+            share *= each
+        # Where one of the bodies hides all of the light or nothing of it, the product is right.
+        borders = np.sum([(each > 0) & (each < 1) for each in shares], axis=0) > 1
+        if np.any(borders):
+            lines, columns = enclosing(borders)
+            area = slice(rows.start + lines.start, rows.start + lines.stop), columns
+            together = self._past_all(view, sight, filters, area, pixel_m)
+            share[lines, columns] = np.where(borders[lines, columns], together, share[lines, columns])
         return share
 
-    def _mask(
-        self, shapes: Sequence[Caster], vertices: Array, X_WB: Array, ground: FloatImage, pixel_m: float
-    ) -> ShadowMask | None:
-        """Return the shadow of a body on the ground (H, W, 2) in sight, in its frame; None if it is beside it."""
-        border_m = self._light.border_m(vertices[:, 2].max())
-        max_points = min(_MAX_POINTS, max(_MAX_DRAWN // len(shapes), _MIN_POINTS))
-        count = int(np.clip(np.ceil(_POINTS_PER_PX * border_m / pixel_m), _MIN_POINTS, max_points))
-        points = self._light.points(count) @ np.linalg.inv(X_WB).T
+    def _past_all(
+        self,
+        view: FrameView,
+        sight: FloorSight,
+        filters: Sequence[tuple[Sequence[FilterPoint], np.ndarray]],
+        area: tuple[slice, slice],
+        pixel_m: float,
+    ) -> FloatImage:
+        """Return the share (h, w) of the light that all bodies let through together in an area of the image."""
+        rows, columns = area
+        count = max(self._points(number, pixel_m) for number, _ in self._poses(view))
+        bodies = []
+        for number, poses in self._poses(view):
+            ground = sight.in_body(view, MIDDLE, poses, rows)[:, columns]
+            if rectangle := self._rectangle(number, poses, ground, pixel_m, count):
+                bodies.append((point_masks(*rectangle), poses))
+        points, masks = len(self._light.points(count)), [of_body for of_body, _ in bodies]
+
+        def at(point: FilterPoint) -> FloatImage:
+            grounds = [sight.in_body(view, point, poses, rows)[:, columns] for _, poses in bodies]
+            return share_past_all(points, masks, grounds)
+
+        return _filtered(filters, area, at)
+
+    def _poses(self, view: FrameView) -> Iterator[tuple[int, list[PlanarPose]]]:
+        """Yield the number of each body with a shape, and its poses at the moments of the exposure."""
+        for number, shapes in enumerate(self._shapes):
+            if shapes:
+                yield number, [(moment.robot_pose, *moment.moving)[number] for moment in moments_of(view)]
+
+    def _points(self, number: int, pixel_m: float) -> int:
+        """Return the number of points of the light for a body's shadow."""
+        border_m = self._light.border_m(self._bodies[number][:, 2].max())
+        max_points = min(_MAX_POINTS, max(_MAX_DRAWN // len(self._shapes[number]), _MIN_POINTS))
+        return int(np.clip(np.ceil(_POINTS_PER_PX * border_m / pixel_m), _MIN_POINTS, max_points))
+
+    def _rectangle(
+        self, number: int, poses: Sequence[PlanarPose], ground: FloatImage, pixel_m: float, count: int
+    ) -> tuple[list[Caster], Array, Array, Array, float] | None:
+        """Return the arguments of `shadow_mask` for a body and the ground (H, W, 2) in sight, in its frame.
+
+        None if its shadow is beside it.
+        """
+        shapes, vertices = self._shapes[number], self._bodies[number]
+        points = self._light.points(count) @ np.linalg.inv(pose_X_WR(*poses[len(poses) // 2])).T
         ends = [on_floor(vertices, point) for point in points]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m
         low = np.maximum(np.min(ends, axis=(0, 1)), np.nanmin(ground, axis=(0, 1))) - spare_m
         high = np.minimum(np.max(ends, axis=(0, 1)), np.nanmax(ground, axis=(0, 1))) + spare_m
-        return shadow_mask(shapes, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
+        return (shapes, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
         """Return the corners (K, 2), counter-clockwise, of the hull of a body's shadow on the floor and its border."""
@@ -109,6 +150,19 @@ class BodyShadows:
 def moments_of(view: FrameView) -> tuple[Moment, ...]:
     """Return the moments of the exposure, or the one of a view without an exposure time."""
     return view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
+
+
+def _filtered(
+    filters: Sequence[tuple[Sequence[FilterPoint], np.ndarray]],
+    area: tuple[slice, slice],
+    share_at: Callable[[FilterPoint], FloatImage],
+) -> FloatImage:
+    """Return the mean (h, w) over the filter of each pixel of a share at its points, in an area of the image."""
+    share = np.ones(filters[0][1][area].shape, np.float32)
+    for points, where in filters:
+        if where[area].any():
+            share = np.where(where[area], sum(share_at(point) for point in points) / np.float32(len(points)), share)
+    return share
 
 
 def _distance_m(hull: Array, points: FloatImage) -> FloatImage:

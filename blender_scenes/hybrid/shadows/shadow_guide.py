@@ -12,7 +12,7 @@ import numpy as np
 from blender_scenes.hybrid.floor.sight import MIDDLE, FloorSight
 from blender_scenes.hybrid.shadows.body_shadows import moments_of
 from blender_scenes.hybrid.shadows.casters import Caster, casters, casting_meshes
-from blender_scenes.hybrid.shadows.shadow_mask import ShadowMask, shadow_mask
+from blender_scenes.hybrid.shadows.shadow_mask import enclosing, point_masks, shadow_mask, share_past_all
 from blender_scenes.hybrid.shadows.wide_lights import WideLamp, even_directions
 from blender_scenes.scene.description import Scene
 from sensors.camera.views import FrameView
@@ -34,6 +34,12 @@ _MIN_SHARE = np.float32(0.02)
 _MIN_LIGHT = 1e-9
 
 
+_Rectangle = tuple[Sequence[Caster], Array, Array, Array, float]
+_Area = tuple[slice, slice]
+"""Rows and columns of an image."""
+_ALL = slice(None), slice(None)
+
+
 class _Body:
     """The robot, or a moving obstacle, in its frame."""
 
@@ -45,10 +51,10 @@ class _Body:
         self._reach_m = float(np.clip(_REACH * self.height_m, _MIN_REACH_M, _MAX_REACH_M))
         self.low, self.high = self._low - self._reach_m, self._high + self._reach_m
 
-    def shadow(self, points: Array, low: Array, high: Array, pixel_m: float) -> ShadowMask:
-        """Return its shadow in the light of points (K, 4) in its frame, in a rectangle of the floor."""
+    def rectangle(self, points: Array, low: Array, high: Array, pixel_m: float) -> _Rectangle:
+        """Return the arguments of `shadow_mask` for points (K, 4) of light in its frame, in a rectangle."""
         texel_m = max(_TEXEL_PX * pixel_m, float(np.max(high - low)) / _MAX_TEXELS)
-        return shadow_mask(self._shapes, points, low, high, texel_m, finer=_FINER)
+        return self._shapes, points, low, high, texel_m
 
     def nearness(self, ground: FloatImage) -> FloatImage:
         """Return how much the shadow counts (H, W) at points (H, W, 2): 1 at the body, 0 beyond its reach."""
@@ -73,16 +79,32 @@ class _Seen:
             pixel_m: Size (H, W) of a pixel on the floor.
             lights: For each light, its points (K, 4) in W and its part (3,) of all light.
         """
-        where = self.nearness > 0
-        ground, finest_m = self.ground[where], float(pixel_m[where].min())
-        low = np.maximum(self.body.low, ground.min(axis=0) - finest_m)
-        high = np.minimum(self.body.high, ground.max(axis=0) + finest_m)
-        X_BW = np.linalg.inv(self.X_WB)
-        masks = [self.body.shadow(points @ X_BW.T, low, high, finest_m) for points, _ in lights]
+        masks = [shadow_mask(*self.rectangle(pixel_m, points, _ALL), finer=_FINER) for points, _ in lights]
         parts = [part.astype(np.float32) for _, part in lights]
         all_light = np.sum([part * mask.share[..., None] for part, mask in zip(parts, masks, strict=True)], axis=0)
         mask = replace(masks[0], share=all_light)
         return 1 - self.nearness[..., None] * (1 - mask.at(self.ground))
+
+    def rectangle(self, pixel_m: FloatImage, points: Array, area: _Area) -> _Rectangle:
+        """Return the arguments of `shadow_mask` for the floor in an area of the image that is near the body."""
+        where = self.nearness[area] > 0
+        ground, finest_m = self.ground[area][where], float(pixel_m[area][where].min())
+        low = np.maximum(self.body.low, ground.min(axis=0) - finest_m)
+        high = np.minimum(self.body.high, ground.max(axis=0) + finest_m)
+        return self.body.rectangle(points @ np.linalg.inv(self.X_WB).T, low, high, finest_m)
+
+
+def _past_all(
+    seen: Sequence[_Seen], pixel_m: FloatImage, lights: Sequence[tuple[Array, Array]], area: _Area
+) -> FloatImage:
+    """Return the share (h, w, 3) of light that several bodies let through together in an area of the image."""
+    near = [one for one in seen if (one.nearness[area] > 0).any()]
+    grounds, strengths = [one.ground[area] for one in near], [one.nearness[area] for one in near]
+    share = np.zeros((*grounds[0].shape[:-1], 3), np.float32)
+    for points, part in lights:
+        masks = [point_masks(*one.rectangle(pixel_m, points, area), finer=_FINER) for one in near]
+        share += part.astype(np.float32) * share_past_all(len(points), masks, grounds, strengths)[..., None]
+    return share
 
 
 class ShadowGuide:
@@ -117,6 +139,11 @@ class ShadowGuide:
         all_lights = [*zip(points, parts, strict=True), even]
         for one in seen:
             share *= one.let_through(self._pixel_m, all_lights)
+        near_several = np.sum([one.nearness > 0 for one in seen], axis=0) > 1
+        if near_several.any():
+            area = enclosing(near_several)
+            together = _past_all(seen, self._pixel_m, all_lights, area)
+            share[area] = np.where(near_several[area][..., None], together, share[area])
         return _MIN_SHARE + (1 - _MIN_SHARE) * share
 
     def _seen(self, view: FrameView) -> list[_Seen]:

@@ -72,11 +72,11 @@ WIDE_SUN = replace(SUN, towards=(0.0, -SUN.towards[0], SUN.towards[2]), angular_
 """It shines along -y."""
 
 
-def _share(light: SmallLight, view: FrameView, body: Mesh = BODY) -> np.ndarray:
-    """(W,): how much of the light reaches the floor along y, through the middle of the body."""
+def _share(light: SmallLight, view: FrameView, *bodies: Mesh) -> np.ndarray:
+    """(W,): how much of the light reaches the floor along y, through the middle of each body of the view."""
     sight = FloorSight(CAMERA, view, row_share=1.0)
     everywhere = np.ones((6, 120), bool)
-    shadows = BodyShadows(light, (), (body,))
+    shadows = BodyShadows(light, (), bodies or (BODY,))
     return shadows.visible_share(view, sight, [(filter_points(1.5), everywhere)], slice(0, 6)).mean(axis=0)
 
 
@@ -128,6 +128,24 @@ def test_the_shadow_of_a_lamp_spreads_from_the_lamp_and_has_the_border_of_its_si
     assert (rise * beyond).sum() == pytest.approx(end_m, abs=0.001)
     spread_m = LAMP_SIZE_M * HEIGHT_M / (LAMP_M - HEIGHT_M) / np.sqrt(12)
     assert np.sqrt((rise * (beyond - end_m) ** 2).sum()) == pytest.approx(spread_m, rel=0.15)
+
+
+def test_two_bodies_at_one_place_throw_the_shadow_of_one():
+    place = (0.1, 0.05 - HALF_M - 0.02, 0.0)
+    wide = SmallLamp(replace(LAMP, height_m=0.2))
+    alone, both = (_share(wide, _down((place,) * n), *(BODY,) * n) for n in (1, 2))
+    assert ((alone > 0.2) & (alone < 0.8)).sum() > 3
+    assert both == pytest.approx(alone, abs=1e-6)
+
+
+def test_a_gap_between_two_bodies_lets_through_the_piece_of_the_lamp_that_is_seen_through_it():
+    """Each body hides one side of the lamp, so what is left is no product. The gap is below the middle of the lamp."""
+    gap_m = 0.002
+    places = [(0.1, 0.05 + side * (HALF_M + 0.5 * gap_m), 0.0) for side in (-1, 1)]
+    share = _share(SmallLamp(LAMP), _down(tuple(places)), BODY, BODY)
+    # By similar triangles, and half a drawn pixel less on each side of the gap.
+    seen_m = (gap_m - 0.25 * 0.75 * PIXEL_M) * LAMP_M / HEIGHT_M
+    assert share.sum() * PIXEL_M == pytest.approx(gap_m * seen_m / LAMP_SIZE_M, rel=0.1)
 
 
 TALL_M = 0.4

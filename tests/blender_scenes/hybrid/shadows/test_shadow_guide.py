@@ -46,6 +46,12 @@ def _share(scene: Scene, view: FrameView, off: tuple[str, ...] = ()) -> FloatIma
     return guide.share(view, (straight, other), off).mean(axis=0)
 
 
+def _union(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the length (...) that two intervals (2, ...) cover together."""
+    both = np.maximum(high.min(axis=0) - np.maximum(*low), 0)
+    return (high - low).sum(axis=0) - both
+
+
 def _even(y_m: np.ndarray) -> np.ndarray:
     """Return the share of light from all sides: the bar hides the angles between its outermost corners."""
     corners = [(y, z) for y in (-HALF_M, HALF_M) for z in (LOW_M, HIGH_M)]
@@ -83,6 +89,35 @@ def test_the_share_of_each_colour_is_that_of_the_lamp_and_of_light_from_all_side
     assert share[NEAR, 0].min() < 0.05
     both = 0.5 * (share[NEAR, 0] + share[NEAR, 2])
     assert share[NEAR, 1] == pytest.approx(both, abs=1e-5)
+
+
+TWO_LAMPS = (
+    replace(LAMP, name="left", center=(0.1, -LAMP_Y_M, LAMP_Z_M)),
+    replace(LAMP, name="right", center=(0.1, LAMP_Y_M, LAMP_Z_M)),
+)
+
+
+@pytest.mark.parametrize("apart_m", [0.0, 0.02, 0.03])
+def test_of_each_light_what_neither_of_two_bodies_hides_is_let_through(apart_m):
+    """A product of their shares would be right only if what they hide of a light were independent of each other.
+
+    Bars at one place hide the same; beside each other they hide one part each, or each of them hides one of two lamps.
+    """
+    bars_y_m = np.array([-0.5, 0.5])[:, None] * apart_m
+    scene = replace(_scene((BAR,), (BAR,)), panels=TWO_LAMPS)
+    share = _share(scene, _view((0.0, bars_y_m[0, 0], 0.0), ((0.0, bars_y_m[1, 0], 0.0),)))
+    near = np.abs(Y_M) < HALF_M + 0.5 * apart_m
+    y_m, corners = Y_M[near] - bars_y_m, [(y, z) for y in (-HALF_M, HALF_M) for z in (LOW_M, HIGH_M)]
+    sines = np.array([(y - y_m) / np.hypot(y - y_m, z) for y, z in corners])
+    even = 1 - 0.5 * _union(sines.min(axis=0), sines.max(axis=0))
+    at_m = np.array([Y_M[near] + (y - y_m) * LAMP_Z_M / z for y, z in corners])
+    hidden = []
+    for lamp_m in (-LAMP_Y_M, LAMP_Y_M):
+        ends_m = [np.clip(end, lamp_m - 0.5 * LAMP_M, lamp_m + 0.5 * LAMP_M) for end in (at_m.min(0), at_m.max(0))]
+        hidden.append(_union(*ends_m) / LAMP_M)
+    for channel, expected in ((2, even), (0, 1 - np.mean(hidden, axis=0))):
+        assert share[near, channel] == pytest.approx(expected, abs=0.2)
+        assert share[near, channel].mean() == pytest.approx(expected.mean(), abs=0.025)
 
 
 def test_a_lamp_whose_light_is_traced_apart_does_not_count():
