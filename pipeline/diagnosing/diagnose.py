@@ -121,9 +121,24 @@ def robot_of(settings: DiagnosisSettings) -> RobotConfig | None:
 
 
 def diagnose_cases(
-    cases: Sequence[NamedCase], settings: DiagnosisSettings, *, out: Path, workers: int, report: Report
+    cases: Sequence[NamedCase],
+    settings: DiagnosisSettings,
+    *,
+    out: Path,
+    workers: int,
+    report: Report,
+    do_here: Callable[[DiagnoseUnit, Callable[..., None]], None],
 ) -> list[UnitFailure]:
     """Diagnose all cases and return those that failed, in their order.
+
+    Args:
+        cases: The cases.
+        settings: How they are diagnosed.
+        out: Folder of the files.
+        workers: Number of worker processes at a time.
+        report: Receives the progress.
+        do_here: Function that diagnoses the only case in this process, as the start of a worker takes longer than the
+            fits of a bench; it is called with the unit and a receiver of its progress.
 
     Raises:
         InputError: The only case is bad.
@@ -155,26 +170,15 @@ def diagnose_cases(
             if isinstance(event, Retried):
                 stage.say(event.text)
 
+        # Code of the user may end its process, and PyBullet prints.
         if alone and not settings.pybullet and not user_code.environment() and use_one_thread():
-            diagnose_here(units[0], on_event)
+            unit = units[0]
+            do_here(unit, lambda share, at=None, text="": on_event(unit, Progress(share=share, at=at, text=text)))
+            on_event(unit, Finished())
             return []
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
-
-
-def diagnose_here(unit: DiagnoseUnit, on_event: Callable[[AnyUnit, AnyEvent], None]) -> None:
-    """Diagnose the only case in this process, as the start of another one takes longer than the fits of a bench.
-
-    Code of the user, which may end its process, and PyBullet, which prints, run in a process of their own.
-
-    Raises:
-        InputError: The case is bad.
-    """
-    from pipeline.work.worker_main import diagnose_case  # noqa: PLC0415 - loads units of other commands
-
-    diagnose_case(unit, lambda share, at=None, text="": on_event(unit, Progress(share=share, at=at, text=text)))
-    on_event(unit, Finished())
 
 
 class PhaseLines:

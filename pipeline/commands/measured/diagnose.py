@@ -160,6 +160,7 @@ def diagnose(
     from pipeline.run_folder.workspace import Workspace
     from pipeline.work.supervisor import cores
     from pipeline.work.units import DiagnosisSettings
+    from pipeline.work.worker_main import diagnose_case
     from symolo.core.progress import report_here
     from symolo.dataset.folder_kind import Kind
 
@@ -188,7 +189,9 @@ def diagnose(
     if len(named) == 1:
         _check(named[0], settings, report)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
-        failures = diagnose_cases(named, settings, out=out.absolute(), workers=workers or cores(), report=report)
+        failures = diagnose_cases(
+            named, settings, out=out.absolute(), workers=workers or cores(), report=report, do_here=diagnose_case
+        )
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
         _print_json(named, out, failed)
