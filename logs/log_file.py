@@ -54,6 +54,11 @@ class LogFile:
         """Names of the columns that the user gave, for a file without a header; none if it has one."""
         return () if self.header_row else tuple(self.columns)
 
+    @property
+    def clocks_last(self) -> list[str]:
+        """Names of the columns, with times of day behind the others: these often have whole seconds only."""
+        return sorted(self.columns, key=self.clocks.__contains__)
+
     def where(self, row: int) -> str:
         """Return the place of a row of the columns, from 0, for messages."""
         return f"{self.path}: {self.row(row)}"

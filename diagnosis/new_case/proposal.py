@@ -145,7 +145,7 @@ def propose(
         _check_wheels(log, chosen)
     faults = FaultList()
     log_kind = kind or _kind(log, chosen)
-    columns = KINDS[log_kind].matched(list(log.columns), chosen)
+    columns = KINDS[log_kind].matched(log.clocks_last, chosen)
     for name in (name for name in units if name not in columns):
         cure = f"name it with {COLUMN_OPTION} {name}=COLUMN, or leave the unit out"
         with faults.noted():
@@ -197,7 +197,7 @@ def _side(column: str) -> str:
 
 def _kind(log: LogFile, chosen: Mapping[str, str]) -> CaseKind:
     """Return the kind whose needs the columns meet, and most of whose quantities they hold."""
-    columns_of_kind = {kind: KINDS[kind].matched(list(log.columns), chosen) for kind in KINDS}
+    columns_of_kind = {kind: KINDS[kind].matched(log.clocks_last, chosen) for kind in KINDS}
     fitting = [kind for kind in KINDS if KINDS[kind].suffices(columns_of_kind[kind])]
     closest = max(KINDS, key=lambda kind: len(columns_of_kind[kind]))
     if not fitting and len(columns_of_kind[closest]) > 1:

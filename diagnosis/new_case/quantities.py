@@ -9,6 +9,7 @@ from diagnosis.measured.measurement import CaseKind
 from logs.columns.drive import COMMANDS, COUNT_WORDS, PER_ROW, VOLTAGE, WHEELS
 from logs.columns.quantity import (
     EAST,
+    EPOCH_TIME,
     FILLERS,
     FRONT,
     HEADING,
@@ -35,7 +36,7 @@ UNIT_OPTION = "--unit"
 STEADY_FROM_S = 0.25
 """Time between two rows from which a log of a motor has one steady state in each row."""
 _CURRENT = words("i current cur amps")
-_TIMES = Quantity("t_s", (TIME,))
+_TIMES = (Quantity("t_s", (TIME,)), Quantity("t_s", (EPOCH_TIME,)))
 _MOTOR = (
     Quantity("u_cmd_V", (VOLTAGE | SET | words("v"),)),
     Quantity("current_A", (_CURRENT,)),
@@ -46,7 +47,7 @@ _TRIAL = Quantity("trial", (words("trial run experiment"),))
 _QUANTITIES: Mapping[CaseKind, tuple[Quantity, ...]] = {
     CaseKind.DRIVE_LOG: (
         _TRIAL,
-        _TIMES,
+        *_TIMES,
         *WHEELS,
         Quantity("tof_front_m", (FRONT, RANGE)),
         Quantity("tof_left_m", (LEFT, RANGE)),
@@ -57,7 +58,7 @@ _QUANTITIES: Mapping[CaseKind, tuple[Quantity, ...]] = {
         *COMMANDS,
     ),
     CaseKind.TOF_BENCH: (
-        _TIMES,
+        *_TIMES,
         Quantity(
             "distance_m",
             (words("distance dist true actual reference ref target truth real set setpoint known"),),
@@ -69,8 +70,8 @@ _QUANTITIES: Mapping[CaseKind, tuple[Quantity, ...]] = {
         Quantity("temperature_C", (words("temperature temp"),)),
         Quantity("ambient_lux", (words("ambient lux light illuminance"),)),
     ),
-    CaseKind.MOTOR_STEP: (_TRIAL, _TIMES, *_MOTOR),
-    CaseKind.MOTOR_STEADY: (Quantity("sweep", (words("sweep trial run"),)), _TIMES, *_MOTOR),
+    CaseKind.MOTOR_STEP: (_TRIAL, *_TIMES, *_MOTOR),
+    CaseKind.MOTOR_STEADY: (Quantity("sweep", (words("sweep trial run"),)), *_TIMES, *_MOTOR),
 }
 
 _NEEDED: Mapping[CaseKind, tuple[frozenset[str], ...]] = {

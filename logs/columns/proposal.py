@@ -76,7 +76,7 @@ def propose_as(
     Raises:
         InputError: The log lacks columns of this kind, or several units of a column are as likely; all are reported.
     """
-    recognised = kind.matched(list(log.columns), chosen)
+    recognised = kind.matched(log.clocks_last, chosen)
     if not kind.suffices(recognised):
         raise missing(log, kind, recognised)
     sources: dict[str, Source] = {}

@@ -25,7 +25,9 @@ FILLERS = words(
 LEFT, RIGHT = words("left l lhs links gauche izquierda izq"), words("right r rhs rechts droite droit derecha")
 FRONT = words("front f fwd forward centre center middle")
 SIDES = LEFT | RIGHT | FRONT
-TIME = words("t time timestamp stamp clock uptime epoch unix zeit zeitstempel temps tiempo")
+TIME = words("t time timestamp stamp clock uptime zeit zeitstempel temps tiempo")
+EPOCH_TIME = TIME | words("epoch unix")
+"""Words of a time since 1970, too, which often has whole seconds, so that any other clock comes before it."""
 SUPPLY = words(
     "battery bat batt vbat vbatt ubat ubatt batterie batteriespannung akku accu lipo supply vcc vdd vin bus versorgung"
 )

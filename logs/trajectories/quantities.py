@@ -7,6 +7,7 @@ from types import MappingProxyType
 from logs.columns.drive import COMMANDS, WHEELS
 from logs.columns.quantity import (
     EAST,
+    EPOCH_TIME,
     FILLERS,
     FRONT,
     HEADING,
@@ -62,6 +63,7 @@ TRAJECTORY = LogKind(
     "trajectory",
     (
         Quantity("t_s", (TIME,)),
+        Quantity("t_s", (EPOCH_TIME,)),
         *COMMANDS,
         *WHEELS,
         Quantity("v_m_s", (LINEAR,)),

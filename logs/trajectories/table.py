@@ -255,7 +255,7 @@ def _others(table: _MappedTable, rows: np.ndarray) -> tuple[LoggedTable, ...]:
         with suppress(InputError):  # words
             values = table.log.numbers(name)[rows]
             if np.isfinite(values).any():
-                columns[name] = taken_apart(name).unit or "-", values
+                columns[name] = taken_apart(name).unit or ("s" if name in table.log.clocks else "-"), values
     meaning = f"columns of {table.log.path.name} that are no quantity of a trajectory, in its own units"
     return (LoggedTable(LOG_TABLE, meaning, columns),) if columns else ()
 

@@ -6,7 +6,8 @@ import pytest
 
 from logs.clock_times import seconds_of
 from logs.log_file import read_log
-from logs.trajectories.table import propose_trajectory
+from logs.trajectories.base import ReadSettings
+from logs.trajectories.table import READER, propose_trajectory
 from symolo.core.errors import InputError
 
 
@@ -60,3 +61,31 @@ def test_times_of_another_form_are_refused_with_the_forms_that_are_read(tmp_path
     path.write_text("time,x\n05/04/2026 10:00:00,1\n05/04/2026 10:00:01,2\n")
     with pytest.raises(InputError, match=r"row 2: column time: .*such as 2026-05-04T10:00:59.123; write .*: 2 rows"):
         read_log(path).times("time")
+
+
+@pytest.mark.parametrize(
+    ("names", "cells", "column"),
+    [
+        ("time,millis", ("10:00:00", "0", "10:00:00", "50"), "millis"),
+        ("time,t_ms", ("10:00:00", "0", "10:00:00", "50"), "t_ms"),
+        ("epoch,time", ("1", "0", "1", "0.05"), "time"),
+        ("unix_time,uptime_ms", ("1770000000", "0", "1770000000", "50"), "uptime_ms"),
+        ("time,battery", ("10:00:00.00", "7", "10:00:00.05", "7"), "time"),
+        ("unix_time,battery", ("1770000000.00", "7", "1770000000.05", "7"), "unix_time"),
+    ],
+)
+def test_the_clock_of_the_controller_comes_before_a_time_of_day(names, cells, column, tmp_path):
+    """A time of day often has whole seconds only, so that most rows would have the time of the row above."""
+    path = tmp_path / "run.csv"
+    path.write_text(f"{names},x_m,y_m,theta_rad\n{cells[0]},{cells[1]},0,0,0\n{cells[2]},{cells[3]},0.1,0,0\n")
+    assert propose_trajectory(read_log(path)).mapping.columns["t_s"].column == column
+
+
+def test_a_time_of_day_that_is_no_time_of_the_trajectory_is_a_column_in_seconds(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t_s,wall,x_m,y_m,theta_rad\n0,10:00:00.5,0,0,0\n1,10:00:01.5,0.1,0,0\n")
+    (trajectory,) = READER.read(path, ReadSettings())
+    (table,) = trajectory.tables
+    unit, values = table.columns["wall"]
+    assert unit == "s"
+    assert values.tolist() == [0.0, 1.0]
