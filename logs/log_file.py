@@ -109,7 +109,7 @@ class LogFile:
         texts = {value.lower() for value in backwards if isinstance(value, str)}
         numbers = {value for value in backwards if not isinstance(value, str)}
         cells = self.columns[name]
-        return np.array([-1.0 if cell.lower() in texts or number_of(cell) in numbers else 1.0 for cell in cells])
+        return np.array([-1.0 if cell.lower() in texts or self._number(cell) in numbers else 1.0 for cell in cells])
 
     @cached_property
     def _read_columns(self) -> dict[str, Array]:

@@ -282,7 +282,9 @@ def _are_per_row(log: LogFile, name: str, sources: Mapping[str, Source]) -> bool
     try:
         counts = log.numbers(column)
         if (voltage := sources.get(f"u_{name.split('_')[1]}_V")) is not None and voltage.column:
-            return are_per_row(counts, log.numbers(voltage.column))
+            volts = log.numbers(voltage.column)
+            # Without a sign, a voltage is as large backwards as forwards.
+            return are_per_row(counts if np.any(volts < 0.0) else np.abs(counts), volts)
         if {"x_m", "y_m"} <= sources.keys():
             x, y = (log.numbers(sources[axis].column) for axis in ("x_m", "y_m"))
             return are_per_row(np.abs(counts), np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])))

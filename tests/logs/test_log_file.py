@@ -241,6 +241,11 @@ def test_decimals_may_have_commas_between_tabs(read):
     assert read("t_s\tx_m\n0,05\t1,5\n0,1\t2\n").numbers("x_m").tolist() == [1.5, 2.0]
 
 
+@pytest.mark.parametrize(("backwards", "signs"), [([-1.0], [1.0, -1.0, 1.0, 1.0]), (["r"], [1.0, 1.0, -1.0, 1.0])])
+def test_a_sense_is_negative_where_its_column_has_a_value_whatever_its_decimals_and_capitals(read, backwards, signs):
+    assert read("t_s;sense\n0,0;1,0\n0,1;-1,0\n0,2;R\n0,3;\n").signs("sense", backwards).tolist() == signs
+
+
 def test_a_cell_of_any_length_is_read(read):
     """The csv module of Python stops at 131,072 characters."""
     assert len(read(f't_s,name\n0,"{"a" * 200_000}"\n1,b\n').columns["name"][0]) == 200_000

@@ -55,6 +55,14 @@ def test_a_counter_that_counts_backwards_shows_the_same_direction_as_the_wheel(t
     assert propose(log).mapping.columns["u_right_V"].backwards == (0.0,)
 
 
+def test_ticks_since_the_row_before_show_the_direction_of_a_duty_cycle_without_a_sign(tmp_path):
+    duty = {side: np.round(150.0 * np.sin(speed * T)).astype(int) for side, speed in (("l", 1.1), ("r", 1.7))}
+    log = read(tmp_path, rows(("1", "0"), duty=duty, counts=[duty["l"], duty["r"]]))
+    columns = propose(log).mapping.columns
+    assert columns["enc_left_ticks"].per_row
+    assert columns["u_left_V"].backwards == (0.0,)
+
+
 def test_a_duty_cycle_with_a_sign_keeps_it(tmp_path):
     text = rows(("1", "0")).replace(",100,1,", ",-100,1,")
     assert not propose(read(tmp_path, text)).mapping.columns["u_left_V"].direction
