@@ -159,15 +159,8 @@ def read_log(path: Path, names: Sequence[str] = ()) -> LogFile:
     separator, header = _header_of(lines[above].lstrip("# "), names, f"{path}: row {above + 1}")
     below = [lines[first_row - 1].lstrip("# "), *lines[first_row:]] if len(lines) >= first_row else []
     rows = [cells_in(line, separator) for line in below]
-    words = _header_rows(header, rows)
-    for row in words:
-        if _are_units(row, rows[len(words)]):
-            header = [with_unit(name, unit) for name, unit in zip(header, row, strict=True)]
-            notes.append(f"{path.name}: row {first_row} has the units of the columns")
-        else:
-            notes.append(f"{path.name}: row {first_row} has words only and is left out")
-        first_row += 1
-    rows = rows[len(words) :]
+    header, header_notes = _with_header_rows(header, rows, path.name, first_row)
+    first_row, rows, notes = first_row + len(header_notes), rows[len(header_notes) :], notes + header_notes
     rows = [row[:-1] if len(row) == len(header) + 1 and not row[-1] else row for row in rows]
     if len(rows) > 1 and (len(rows[-1]) < len(header) or not text.is_whole):
         rows.pop()
@@ -208,6 +201,20 @@ def _header_of(line: str, names: Sequence[str], where: str) -> tuple[str, list[s
         _check_names(names, cells_in(line, separator), where)
     _check_header(header, where)
     return separator, header
+
+
+def _with_header_rows(
+    header: list[str], rows: Sequence[Sequence[str]], file: str, first_row: int
+) -> tuple[list[str], list[str]]:
+    """Return the names of the columns with the units below them, and a note for each row that belongs to the header."""
+    words, notes = _header_rows(header, rows), []
+    for number, row in enumerate(words, first_row):
+        if _are_units(row, rows[len(words)]):
+            header = [with_unit(name, unit) for name, unit in zip(header, row, strict=True)]
+            notes.append(f"{file}: row {number} has the units of the columns")
+        else:
+            notes.append(f"{file}: row {number} has words only and is left out")
+    return header, notes
 
 
 def _clocks(columns: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:

@@ -232,9 +232,9 @@ def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape
     definitions = dict(first.definitions)
     for section in sections:
         if section not in first_sections and _title(section) in names:
-            own_shape = _section_shape(section)
-            definitions |= own_shape.definitions
-            definitions[names[_title(section)]] = own_shape.schema
+            section_shape = _section_shape(section)
+            definitions |= section_shape.definitions
+            definitions[names[_title(section)]] = section_shape.schema
     return Shape(first.schema, definitions)
 
 

@@ -147,7 +147,7 @@ def _image_faults(
         folder: The annotations.
         names: Images in it.
         record: The run.
-        known: Ids of instances, and 0; None where the document does not say them.
+        known: Ids of instances, and 0; None where the document does not have them.
         category_of: Category of each instance; None where the document does not say it.
     """
     size = record.image_width_px, record.image_height_px

@@ -74,7 +74,7 @@ def standing(
 def _failing(
     evidence: Evidence, nominal: HypothesisFit, model: NamedModel, parts: Sequence[Group], measured: Evidence
 ) -> list[NameEvidence]:
-    """Return what the fits say of those names of a model that do not stand by themselves."""
+    """Return the evidence for those names of a model that do not stand by themselves."""
     bases = [without(evidence, model.fit, comparison.effect) for comparison in model.comparisons]
     support = supports(evidence, model.fit, bases, parts)
     name_evidence = [
