@@ -4,6 +4,7 @@ import csv
 import re
 from collections.abc import Sequence
 
+from logs.recognition import MAX_TITLES
 from symolo.core.errors import InputError
 from symolo.core.tables.table import cells_of, number_of
 
@@ -16,10 +17,13 @@ _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 def with_tabs(lines: Sequence[str]) -> list[str]:
     """Return the lines of a table whose cells are separated by spaces with tabs in place of these.
 
-    Lines of other files stay as they are. A comment above the rows with as many words as they have is their header.
+    Lines of other files stay as they are. A comment above the rows with as many words as they have is their header. A
+    title above it, with another number of words, may have any separators.
     """
     rows = [line for line in lines if line.strip() and not line.startswith("#")]
     width = len(rows[-2 if len(rows) > 2 else -1].split()) if rows else 0  # the last row may be cut off
+    titles = next((k for k, line in enumerate(rows[: MAX_TITLES + 1]) if len(line.split()) == width), 0)
+    rows = rows[titles:]
     is_spaced = width > 1 and not any(separator in line.strip() for line in rows for separator in SEPARATORS)
     if not is_spaced or not any(number_of(word) == number_of(word) for word in rows[-1].split()):
         return [*lines]
