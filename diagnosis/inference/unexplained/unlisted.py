@@ -290,11 +290,15 @@ def _fitted(  # noqa: PLR0917 - a form, and where the fit starts
 def _between(
     evidence: Evidence, fit: HypothesisFit, best: Sequence[tuple[int, Form, Array]], weight: Array
 ) -> Iterator[FittedForm]:
-    """Yield forms between the two best, if these differ only in a number that was chosen from a list."""
+    """Yield forms of a time series between the two best, if these differ only in a number chosen from a list.
+
+    Of a bench, a mixture of two steps or bumps would be another form, with more numbers.
+    """
     if len(best) < ALIKE:
         return
     (number, form, column), (other_number, other, other_column) = best[:ALIKE]
-    if form.chosen and (number, form.covariate, form.what) == (other_number, other.covariate, other.what):
+    is_one_number = form.chosen == 1 and evidence.observed[number].is_series
+    if is_one_number and (number, form.covariate, form.what) == (other_number, other.covariate, other.what):
         for share in BETWEEN:
             yield _fitted(evidence, fit, number, form, (1.0 - share) * column + share * other_column, weight)
 

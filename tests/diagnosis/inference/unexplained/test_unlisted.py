@@ -131,3 +131,12 @@ def test_a_time_series_has_no_forms_along_a_covariate(evidence_of, hypothesis):
     bump = 40.0 * SD_A * np.exp(-(((X - 0.62) / 0.05) ** 2))
     evidence = evidence_of(X[MIXED], (X + bump)[MIXED] + noise(1))
     assert best_form(evidence, fitted(evidence, hypothesis)) is None
+
+
+def test_a_step_of_a_bench_has_two_levels(bench_of, hypothesis):
+    """Two steps beside each other are two errors, and no form lies between those of either."""
+    evidence = bench_of(X[MIXED], (X + 0.05 * (X > 0.55) + 0.05 * (X > 0.65))[MIXED] + noise(4))
+    best = best_form(evidence, fitted(evidence, hypothesis))
+    assert best is not None
+    assert best.form.what == "step"
+    assert len(np.unique(best.column.round(9))) == 2
