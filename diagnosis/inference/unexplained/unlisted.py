@@ -96,11 +96,13 @@ class FittedForm:
 def with_forms(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, result: Adequacy) -> Adequacy:
     """Return the structures of a fit with the form that explains more than its effects, or else the best beside them.
 
-    If the fit leaves a structure, a form takes its place only if it leaves none.
+    If the fit leaves a structure, a form of a time series takes its place only if it leaves none.
 
     The probability of a form by chance is exp(-fall / 2), a penalised likelihood ratio, times the number of kinds of
     forms (Bonferroni).
     """
+    if result.has_cause and not any(quantity.is_series for quantity in evidence.observed):
+        return result
     bases = [nominal] if len(fit.hypothesis.effects) == 1 else []
     if len(fit.hypothesis.effects) > 1:
         bases = [nominal, *(without(evidence, fit, effect) for effect in fit.hypothesis.effects)]
