@@ -6,7 +6,7 @@ from functools import partial
 import cv2
 import numpy as np
 
-from blender_scenes.hybrid.floor.sight import MIDDLE, FilterPoint, FloorSight
+from blender_scenes.hybrid.floor.sight import FilterPoint, FloorSight
 from blender_scenes.hybrid.shadows.casters import Caster, casters
 from blender_scenes.hybrid.shadows.shadow_mask import enclosing, point_masks, shadow_mask, share_past_all
 from blender_scenes.hybrid.shadows.small_lights import SmallLight, on_floor
@@ -69,10 +69,10 @@ class BodyShadows:
         pixel_m = float(np.nanmin(sight.pixel_m()[0][rows]))
         shares = []
         for number, poses in self._poses(view):
-            ground = sight.in_body(view, MIDDLE, poses, rows)
-            if rectangle := self._rectangle(number, poses, ground, pixel_m, self._points(number, pixel_m)):
-                mask, seen = shadow_mask(*rectangle), partial(sight.in_body, view, poses=poses, rows=rows)
-                share_at = partial(lambda mask, seen, point: mask.at(seen(point)), mask, seen)
+            seen = partial(sight.in_body, view, poses=poses, rows=rows)
+            ends = _ends(filters, (rows, slice(None)), seen)
+            if rectangle := self._rectangle(number, poses, ends, pixel_m, self._points(number, pixel_m)):
+                share_at = partial(lambda mask, seen, point: mask.at(seen(point)), shadow_mask(*rectangle), seen)
                 shares.append(_filtered(filters, (rows, slice(None)), share_at))
         share = np.ones(filters[0][1][rows].shape, np.float32)
         for each in shares:
@@ -99,8 +99,8 @@ class BodyShadows:
         count = max(self._points(number, pixel_m) for number, _ in self._poses(view))
         bodies = []
         for number, poses in self._poses(view):
-            ground = sight.in_body(view, MIDDLE, poses, rows)[:, columns]
-            if rectangle := self._rectangle(number, poses, ground, pixel_m, count):
+            ends = _ends(filters, area, partial(sight.in_body, view, poses=poses, rows=rows))
+            if rectangle := self._rectangle(number, poses, ends, pixel_m, count):
                 bodies.append((point_masks(*rectangle), poses))
         points, masks = len(self._light.points(count)), [of_body for of_body, _ in bodies]
 
@@ -123,18 +123,18 @@ class BodyShadows:
         return int(np.clip(np.ceil(_POINTS_PER_PX * border_m / pixel_m), _MIN_POINTS, max_points))
 
     def _rectangle(
-        self, number: int, poses: Sequence[PlanarPose], ground: FloatImage, pixel_m: float, count: int
+        self, number: int, poses: Sequence[PlanarPose], seen: tuple[Array, Array], pixel_m: float, count: int
     ) -> tuple[list[Caster], Array, Array, Array, float] | None:
-        """Return the arguments of `shadow_mask` for a body and the ground (H, W, 2) in sight, in its frame.
+        """Return the arguments of `shadow_mask` for a body; None if its shadow is beside what is seen.
 
-        None if its shadow is beside it.
+        `seen` has the lower left and the upper right corner (2,) of the ground in sight, in the frame of the body.
         """
         shapes, vertices = self._shapes[number], self._bodies[number]
         points = self._light.points(count) @ np.linalg.inv(pose_X_WR(*poses[len(poses) // 2])).T
         ends = [on_floor(vertices, point) for point in points]
         spare_m = _SPARE_TEXELS * _TEXEL_PX * pixel_m
-        low = np.maximum(np.min(ends, axis=(0, 1)), np.nanmin(ground, axis=(0, 1))) - spare_m
-        high = np.minimum(np.max(ends, axis=(0, 1)), np.nanmax(ground, axis=(0, 1))) + spare_m
+        low = np.maximum(np.min(ends, axis=(0, 1)), seen[0]) - spare_m
+        high = np.minimum(np.max(ends, axis=(0, 1)), seen[1]) + spare_m
         return (shapes, points, low, high, _TEXEL_PX * pixel_m) if (low < high).all() else None
 
     def _shadow(self, body: Array, X_WB: Array) -> Array:
@@ -150,6 +150,25 @@ class BodyShadows:
 def moments_of(view: FrameView) -> tuple[Moment, ...]:
     """Return the moments of the exposure, or the one of a view without an exposure time."""
     return view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
+
+
+def _ends(
+    filters: Sequence[tuple[Sequence[FilterPoint], np.ndarray]],
+    area: tuple[slice, slice],
+    seen: Callable[[FilterPoint], FloatImage],
+) -> tuple[Array, Array]:
+    """Return the smallest and the largest place (2,) of the ground that the filters see in an area of the image.
+
+    What moves during the exposure is elsewhere in its frame than in the middle of the exposure.
+    """
+    points = [point for points, where in filters if where[area].any() for point in points]
+    low, high = np.full(2, np.nan), np.full(2, np.nan)
+    for point in points:
+        ground = seen(point)[:, area[1]]
+        # Along one axis after the other takes a hundredth of the time of both at once.
+        low = np.fmin(low, np.fmin.reduce(np.fmin.reduce(ground)))
+        high = np.fmax(high, np.fmax.reduce(np.fmax.reduce(ground)))
+    return low, high
 
 
 def _filtered(

@@ -138,14 +138,31 @@ def test_two_bodies_at_one_place_throw_the_shadow_of_one():
     assert both == pytest.approx(alone, abs=1e-6)
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_behind_the_border_of_what_moves_during_the_exposure_no_light_is_left(count):
+    """Bodies at one place move by 20 pixels; in their frame, floor is seen that no pixel sees in the middle of it."""
+    long = block("body", (0.0, 0.0, 0.5 * HEIGHT_M), (2 * HALF_M, 0.4, HEIGHT_M), "red")
+    places = [(0.1, 0.05 - 0.2 + shift_m, 0.0) for shift_m in np.linspace(-0.01, 0.01, MOMENTS)]
+    moments = tuple(Moment((0.0, 0.0, 0.0), DOWN, (place,) * count) for place in places)
+    share = _share(SmallLamp(LAMP), _down((places[2],) * count, moments), *(long,) * count)
+    border = np.abs(Y_M - 0.05) < 0.02
+    assert ((share > 0.2) & (share < 0.8)).sum() > 10
+    assert (np.diff(share[border]) <= 1e-6).all()
+    assert share[Y_M < 0.03] == pytest.approx(0.0, abs=1e-6)
+    assert share[Y_M > 0.07] == pytest.approx(1.0, abs=1e-6)
+
+
 def test_a_gap_between_two_bodies_lets_through_the_piece_of_the_lamp_that_is_seen_through_it():
-    """Each body hides one side of the lamp, so what is left is no product. The gap is below the middle of the lamp."""
-    gap_m = 0.002
+    """Each body hides one side of the lamp, so what is left is no product, which would be 7 % more.
+
+    The gap is the widest one from all of which the lamp's edges are hidden.
+    """
+    gap_m = 0.004
     places = [(0.1, 0.05 + side * (HALF_M + 0.5 * gap_m), 0.0) for side in (-1, 1)]
     share = _share(SmallLamp(LAMP), _down(tuple(places)), BODY, BODY)
     # By similar triangles, and half a drawn pixel less on each side of the gap.
     seen_m = (gap_m - 0.25 * 0.75 * PIXEL_M) * LAMP_M / HEIGHT_M
-    assert share.sum() * PIXEL_M == pytest.approx(gap_m * seen_m / LAMP_SIZE_M, rel=0.1)
+    assert share.sum() * PIXEL_M == pytest.approx(gap_m * seen_m / LAMP_SIZE_M, rel=0.03)
 
 
 TALL_M = 0.4
