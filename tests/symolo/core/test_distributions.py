@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform, parse
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform, in_words, parse
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 from symolo.core.yaml.tree import node_of
@@ -191,3 +191,8 @@ def test_a_distribution_that_makes_no_sense_is_refused(written: dict, allowed: s
 def test_a_distribution_cannot_be_changed(changeable):
     for kind in (Uniform, Normal, LogUniform, Choice):
         assert changeable(kind) == []
+
+
+@pytest.mark.parametrize(("options", "end"), [(8, "7, 8"), (9, "7, 8 and 1 more"), (10, "7, 8 and 2 more")])
+def test_a_choice_lists_up_to_eight_options_and_the_number_of_the_others(options: int, end: str):
+    assert in_words(Choice(tuple(range(1, options + 1)))) == f"choice of 1, 2, 3, 4, 5, 6, {end}"
