@@ -25,8 +25,9 @@ class LightPathsRecord(Record):
     def text(self) -> str:
         """Phrase for people."""
         bounces = max(self.diffuse_bounces, self.glossy_bounces, self.transmission_bounces)
-        limit = f"at most {self.clamp:g} times white per path" if self.clamp else "no limit per path"
-        return f"{bounces} bounces, {'with' if self.caustics else 'without'} caustics, {limit}"
+        caustics = "with" if self.caustics else "without"
+        limit = f"of one path limited to {self.clamp:g} times a white pixel" if self.clamp else "not limited"
+        return f"up to {bounces} bounces, {caustics} caustics, reflected light {limit}"
 
 
 class ImageErrorRecord(Record):

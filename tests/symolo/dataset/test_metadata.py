@@ -171,6 +171,20 @@ def test_a_rendering_states_whether_its_error_was_measured():
     assert rendering.model_copy(update={"error": error}).text.endswith("; estimated PSNR 42.9 dB (JPEG: 39.6 dB)")
 
 
+@pytest.mark.parametrize(
+    ("caustics", "clamp", "text"),
+    [
+        (False, 256.0, "without caustics, reflected light of one path limited to 256 times a white pixel"),
+        (True, 0.0, "with caustics, reflected light not limited"),
+    ],
+)
+def test_light_paths_are_stated_in_plain_words(caustics, clamp, text):
+    paths = LightPathsRecord(
+        diffuse_bounces=32, glossy_bounces=8, transmission_bounces=16, caustics=caustics, clamp=clamp
+    )
+    assert paths.text == f"up to 32 bounces, {text}"
+
+
 @pytest.mark.parametrize("document", [Metadata, RunDocument])
 def test_faults_of_a_document_share_its_content(document):
     with pytest.raises(ValidationError) as raised:
