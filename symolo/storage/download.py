@@ -6,18 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.files.atomic_files import (
-    make_folder,
-    remove_file,
-    remove_folder,
-    remove_leftovers,
-    replace_folder,
-    write_file,
-)
+from symolo.core.files.atomic_files import empty_unfinished_folder, make_folder, remove_leftovers, write_file
 from symolo.core.files.disk_space import check_room
 from symolo.core.files.file_hashes import hashes_of
-from symolo.core.files.file_locks import locked_or_refused
-from symolo.core.files.new_folder import check_new
+from symolo.core.files.new_folder import check_new, locked_unfinished_folder, put_in_place
 from symolo.core.files.paths import BELOW_CHARS, folders_of
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
@@ -105,19 +97,15 @@ def download(remote: Remote, out: Path, report: Report) -> int:
         report: Receives the progress.
 
     Raises:
-        InputError: `out` is not empty, or an object has another checksum than the lists.
+        InputError: `out` is not empty, another command writes it, or an object has another checksum than the lists.
         EnvironmentLacking: The disk has too little room, or the store cannot be reached.
     """
     check_new(out)
     place = out.resolve()
     partial = place.with_name(f".{place.name}.download")
-    if partial.is_symlink():
-        remove_file(partial)
-    make_folder(partial)
-    with locked_or_refused(partial, f"--out {out}"):
+    with locked_unfinished_folder(partial, out):
         fetched = _fill(partial, remote, out, report)
-        check_new(out)  # for nothing of another process's is ever replaced
-        replace_folder(partial, place)
+        put_in_place(partial, place, out)
     return fetched
 
 
@@ -125,8 +113,7 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
     remove_leftovers(partial, below=True)
     expected = {**remote.digests, **_lists(remote)}
     if _holds_others(partial, {**expected, **dict.fromkeys(remote.seals, "")}):
-        for path in partial.iterdir():
-            (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
+        empty_unfinished_folder(partial)
     there = hashes_of(partial)
     check_room(out, remote.size_bytes - sum((partial / name).stat().st_size for name in there))
     missing = [name for name in expected if there.get(name) != expected[name]]

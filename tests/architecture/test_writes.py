@@ -23,6 +23,7 @@ JUSTIFIED = {
     ("symolo/core/tables/time_series.py", "savez_compressed"): "into a buffer",
     ("logs/bags/child.py", "savez"): "into the scratch folder of its owner",
     ("symolo/core/files/file_locks.py", "open"): "files that are locked and hold nothing",
+    ("symolo/core/files/file_locks.py", "unlink"): "such a file of a folder that cannot be opened",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",
     ("symolo/core/child_process.py", "fdopen"): "the pipe to the owner",
     ("symolo/core/files/image_decoder_child.py", "fdopen"): "the pipes to the owner",

@@ -238,8 +238,24 @@ def _sync_renaming(old: Path, new: Path) -> None:
 def replace_folder(new: Path, path: Path) -> None:
     """Put the finished folder `new` where `path` is; an older folder there is dropped first."""
     remove_folder(path)
+    place_folder(new, path)
+
+
+def place_folder(new: Path, path: Path) -> None:
+    """Put the finished folder `new` where there is nothing, or an empty folder.
+
+    Raises:
+        FileExistsError: There is something else; it stays as it is.
+    """
     make_folder(path.parent)
-    os.rename(new, path)  # noqa: PTH104 - as above
+    try:
+        with contextlib.suppress(FileNotFoundError):
+            path.rmdir()  # Windows renames nothing to the path of an empty folder
+        os.rename(new, path)  # noqa: PTH104 - as above
+    except OSError as error:
+        if error.errno in {errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR}:
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path)) from None
+        raise
     _check_gone(new, path)
     _sync_renaming(new, path)
 
@@ -249,19 +265,28 @@ def remove_folder(path: Path) -> None:
     dropped = path.with_name(f".{path.name}.dropped")
     # Also when the folder itself is gone: a removal killed half-way left it under this name.
     if dropped.exists():
-        _remove_tree(dropped)
+        remove_unfinished_folder(dropped)
     if path.exists():
         os.rename(path, dropped)  # noqa: PTH104 - as above
         if not dropped.exists():
             raise _lost(dropped)
         sync_folder(path.parent)
-        _remove_tree(dropped)
+        remove_unfinished_folder(dropped)
 
 
-def _remove_tree(folder: Path) -> None:
+def remove_unfinished_folder(folder: Path) -> None:
     """Remove a folder whose name says that it is unfinished, so that it does not come back when the power fails."""
     shutil.rmtree(folder)
     sync_folder(folder.parent)
+
+
+def empty_unfinished_folder(folder: Path) -> None:
+    """Remove everything in a folder whose name says that it is unfinished; the folder itself may be locked."""
+    for path in list(folder.iterdir()):
+        if path.is_dir() and not path.is_symlink():
+            remove_unfinished_folder(path)
+        else:
+            remove_file(path)
 
 
 def remove_file(path: Path) -> None:
@@ -283,7 +308,7 @@ def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None
                 continue
             if path.is_dir():
                 if _is_left(path, of) or (not of and DROPPED.fullmatch(path.name)):
-                    _remove_tree(path)
+                    remove_unfinished_folder(path)
                 elif below:
                     folders.append(path)
             elif _is_left(path, of):

@@ -104,17 +104,26 @@ def locked_or_refused(folder: Path, where: str) -> Iterator[None]:
     """Lock a folder for this process without writing a file into it.
 
     Raises:
-        InputError: Another process has locked it.
+        InputError: Another process has locked it, or has moved it since it was made.
     """
-    if hasattr(os, "O_DIRECTORY"):
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    else:  # a system on which a folder cannot be opened: a file beside it is locked
-        descriptor = os.open(folder.with_name(f".{folder.name}{LOCK}"), os.O_RDWR | os.O_CREAT, 0o666)
+    can_open = hasattr(os, "O_DIRECTORY")
+    beside = folder.with_name(f".{folder.name}{LOCK}")  # locked in place of a folder that cannot be opened
+    try:
+        flags = os.O_RDONLY | os.O_DIRECTORY if can_open else os.O_RDWR | os.O_CREAT
+        descriptor = os.open(folder if can_open else beside, flags, 0o666)
+    except FileNotFoundError:
+        raise _refusal(where) from None
     try:
         lock_or_refuse(descriptor, where)
+        # Between making and locking, the folder may have been moved by the process that held its lock.
+        if not folder.is_dir() or (can_open and not os.path.samestat(os.fstat(descriptor), folder.stat())):
+            raise _refusal(where)
         yield
     finally:
         os.close(descriptor)
+        if not can_open:
+            with contextlib.suppress(OSError):  # such a system removes no file that another process has open
+                beside.unlink()
 
 
 def lock_or_refuse(descriptor: int, where: str, *, shared: bool = False) -> None:
@@ -126,5 +135,9 @@ def lock_or_refuse(descriptor: int, where: str, *, shared: bool = False) -> None
     try:
         lock(descriptor, shared=shared, wait=False)
     except BlockingIOError:
-        what, cure = "another symolo command is working in this folder", "wait for it, or name another folder"
-        raise InputError(what, where=where, cure=cure) from None
+        raise _refusal(where) from None
+
+
+def _refusal(where: str) -> InputError:
+    what, cure = "another symolo command is working in this folder", "wait for it, or name another folder"
+    return InputError(what, where=where, cure=cure)

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 import pytest
 
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.files.new_folder import check_new
 from symolo.core.progress import LineReport
 from symolo.dataset.manifest import MANIFEST, SIGNATURE, TAG_MANIFEST, manifest, tag_manifest
+from symolo.storage import download as download_module
 from symolo.storage.comparison import released_files
 from symolo.storage.download import Remote, download
 from symolo.storage.folder import Folder
@@ -74,6 +76,33 @@ def test_one_that_was_interrupted_leaves_nothing_and_then_fetches_only_the_rest(
     download(Remote.from_store(counted), out, LineReport())
     content = [name for name in counted.got_names if name not in {MANIFEST, TAG_MANIFEST}]
     assert len(content) == 8 - 3
+    assert release_of(out) == release_of(tmp_path / "data")
+
+
+@pytest.mark.parametrize("when", ["while the first one fetches", "after the first one has checked the path"])
+def test_of_two_downloads_into_one_folder_one_is_whole_and_the_other_is_refused(
+    when, filled, release_of, tmp_path, monkeypatch
+):
+    out, remote, fill = tmp_path / "out", Remote.from_store(filled), download_module._fill
+    begun = []
+
+    def download_again():
+        if not begun:
+            begun.append(True)
+            download(remote, out, LineReport())
+
+    def fill_meanwhile(*arguments):
+        with pytest.raises(InputError, match="another symolo command is working in this folder"):
+            download_again()
+        return fill(*arguments)
+
+    if when == "while the first one fetches":
+        monkeypatch.setattr(download_module, "_fill", fill_meanwhile)
+        download(remote, out, LineReport())
+    else:
+        monkeypatch.setattr(download_module, "check_new", lambda path: (check_new(path), download_again()))
+        with pytest.raises(InputError, match="another command has written this folder in the meantime"):
+            download(remote, out, LineReport())
     assert release_of(out) == release_of(tmp_path / "data")
 
 
