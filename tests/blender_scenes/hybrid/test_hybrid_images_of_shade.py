@@ -14,7 +14,7 @@ from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface, SurfaceCoordinate
 from configs.schema.appearance.look import CameraLook
 from configs.schema.robot import Camera
-from sensors.camera.response import CameraResponse
+from sensors.camera.response import CameraResponse, white_level
 from sensors.camera.views import FrameView
 from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC
 from symolo.core.geometry.poses import pose_X_WR
@@ -55,6 +55,9 @@ LOW_SUN = Sun((-float(np.cos(ELEVATION)), 0.0, float(np.sin(ELEVATION))), (10.0,
 WALL = block("wall_A", (1.2, 0.0, 0.4), (0.05, 2.0, 0.8), "white")
 BLIND = block("wall_B", (-0.6, 0.0, 0.15), (0.05, 2.0, 0.3), "white")
 """Its shadow lies on all of the floor in sight, the sun on the upper part of the wall."""
+LIMIT = 1.1
+"""Maximum light of a path: more than the floor reflects of that of the sunlit wall, 0.3 x 2.0, but less than a white
+floor does. The wall has 0.7 x 10 x cos 25 deg / pi = 2.0."""
 
 FACE_M, THICK_M, HEIGHT_M = 0.451, 0.012, 0.15
 """Face of a thin wall before the camera, its thickness, which is that of one or two texels, and its height."""
@@ -101,12 +104,18 @@ def _rail_job(sun: Sun | None = SUN_ASIDE, *lamps: LightPanel) -> RenderJob:
     return replace(job, scene=replace(job.scene, surfaces=surfaces, moving=(rail,)), camera=SHARED, frames=views)
 
 
+def _limited(job: RenderJob) -> RenderJob:
+    """Return the job with `LIMIT`, which is in multiples of white; the median luminance of these tests is 1."""
+    paths = replace(job.sampling.paths, clamp=LIMIT / white_level(1.0, job.response))
+    return replace(job, sampling=replace(job.sampling, paths=paths))
+
+
 @pytest.fixture(scope="module")
 def images(lights_of) -> dict[str, np.ndarray]:
     """(H, W): a floor with the light of a sunlit wall, by hybrid rendering and in full, and the foot of a thin wall."""
     jobs = {
-        "hybrid": _job(LOW_SUN, (WALL, BLIND), (), HYBRID),
-        "full": _job(LOW_SUN, (WALL, BLIND), (), None),
+        "hybrid": _limited(_job(LOW_SUN, (WALL, BLIND), (), HYBRID)),
+        "full": _limited(_job(LOW_SUN, (WALL, BLIND), (), None)),
         "foot": _job(SUN_BEHIND, (THIN,), (LightPanel("sky", *PANEL, seen=False),), HYBRID),
     }
     orders = [(job, 1, [1]) for job in jobs.values()]
