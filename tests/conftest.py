@@ -117,8 +117,11 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-LONG = ("tests/blender_scenes/", "tests/pipeline/", "tests/diagnosis/", "tests/symolo/")
-"""Folders whose files take longest, those first that do not wait for the release of `release_fixtures`."""
+MAKES_THE_RELEASE = "tests/pipeline/rerendering/test_rerender.py"
+LONG = (MAKES_THE_RELEASE, "tests/blender_scenes/", "tests/pipeline/", "tests/diagnosis/", "tests/symolo/")
+"""Folders whose files take longest. One process makes the release of `release_fixtures` at the start, so that none
+waits for it later.
+"""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
