@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from logs.columns.drive import VOLTAGE
 from logs.columns.quantity import LEFT, RIGHT, SIDES, LogKind, words
@@ -44,15 +45,19 @@ def mark_directions(log: LogFile, sources: dict[str, Source], warnings: list[str
         column = _direction_column(log, name, sources, kind.fillers) if source and source.column else ""
         if source is None or not column or not _is_without_sign(log, source.column):
             continue
-        backwards = _by_words(log, column)
+        backwards, moved, duty = _by_words(log, column), _moved(log, name, sources), log.numbers(source.column)
+        if backwards is not None and moved is not None and _is_size(log.signs(column, backwards) < 0.0, duty, moved):
+            text = f"without a sign, as is {sources[_MOTION[name]].column}"
+            warnings.append(f"{source.column} ({name}): {text}; {column}, which would give it one, is not used")
+            continue
         if backwards is None:
-            moved = _moved(log, name, sources)
             if moved is None:
                 continue
-            backwards = _by_motion(log, column, log.numbers(source.column), moved, option=kind.mapping_option)
+            backwards = _by_motion(log, column, duty, moved, option=kind.mapping_option)
         source = source.model_copy(update={"direction": column, "backwards": backwards})
-        where = f"where {column} is {source.backwards_text}" if backwards else f"nowhere, by {column}"
-        warnings.append(f"{source.column} ({name}): without a sign; it is taken for negative {where}")
+        text = f"it is taken for negative where {column} is {source.backwards_text}"
+        text = text if backwards else f"it is never negative by {column}"
+        warnings.append(f"{source.column} ({name}): without a sign; {text}")
         sources[name] = source
 
 
@@ -104,6 +109,18 @@ def _moved(log: LogFile, name: str, sources: Mapping[str, Source]) -> Array | No
     return np.diff(running_counts(numbers, sources[motion], motion, []), append=np.nan)
 
 
+def _share(rows: NDArray[np.bool_], duty: Array, moved: Array) -> float:
+    """Return the sum of the turns of a driven motor in rows (N,) as a share of their sizes; NaN of too few rows."""
+    turns = moved[rows & (duty > 0.0) & np.isfinite(moved) & (moved != 0.0)]
+    return float(turns.sum() / np.abs(turns).sum()) if len(turns) >= MIN_ROWS else np.nan
+
+
+def _is_size(is_backwards: NDArray[np.bool_], duty: Array, moved: Array) -> bool:
+    """Return whether the motion is a size without a sign: in one sense in rows backwards (N,) and in the others."""
+    shares = _share(is_backwards, duty, moved), _share(~is_backwards, duty, moved)
+    return min(map(abs, shares)) >= MOST and shares[0] * shares[1] > 0.0
+
+
 def _by_motion(log: LogFile, column: str, duty: Array, moved: Array, *, option: str) -> tuple[str | float, ...]:
     """Return the values of a column with which a motor turns backwards.
 
@@ -113,10 +130,7 @@ def _by_motion(log: LogFile, column: str, duty: Array, moved: Array, *, option: 
     cells = np.array(log.columns[column])
     backwards: list[str | float] = []
     for value in (value for value in dict.fromkeys(log.columns[column]) if value):
-        turns = moved[(cells == value) & (duty > 0.0) & np.isfinite(moved) & (moved != 0.0)]
-        if len(turns) < MIN_ROWS:
-            continue
-        share = float(turns.sum() / np.abs(turns).sum())
+        share = _share(cells == value, duty, moved)
         if abs(share) < MOST:
             raise InputError(
                 f"column {column}: neither the values nor the turns of the motor show which one means backwards",

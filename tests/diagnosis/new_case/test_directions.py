@@ -63,6 +63,29 @@ def test_ticks_since_the_row_before_show_the_direction_of_a_duty_cycle_without_a
     assert columns["u_left_V"].backwards == (0.0,)
 
 
+@pytest.mark.parametrize("texts", [("F", "B"), ("1", "-1"), ("1", "0")])
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_duty_cycle_stays_without_a_sign_beside_counts_without_one(tmp_path, texts, sense):
+    """A sensor with one channel counts up whatever the sense, so that both are sizes."""
+    counts = [sense * np.concatenate([[0], np.cumsum(np.abs(DUTY[side]))[:-1]]) for side in "lr"]
+    log = read(tmp_path, rows(texts, counts=counts))
+    proposal = propose(log, supply_V=10.2)
+    voltage = measurement_of(log, proposal.mapping, "run").trials[0]["u_left_V"]
+    if sense > 0:
+        np.testing.assert_allclose(voltage.values, 10.2 / 255 * np.abs(DUTY["l"]), atol=1e-9)
+        assert [note for note in proposal.warnings if note.startswith("pwm_l (u_left_V): without a sign")]
+    assert len(set(np.sign(voltage.values))) == 1
+
+
+def test_the_speed_of_a_bench_without_a_sign_leaves_the_voltage_without_one(tmp_path):
+    lines = [f"{0.01 * k:.2f},3,{10 + k % 3},0.1,{'B' if k > 100 else 'F'}" for k in range(200)]
+    log = read(tmp_path, "\n".join(["t_s,u_cmd_V,omega_rad_s,current_A,direction", *lines]) + "\n")
+    proposal = propose(log)
+    assert not proposal.mapping.columns["u_cmd_V"].direction
+    sentence = "u_cmd_V (u_cmd_V): without a sign, as is omega_rad_s; direction, which would give it one, is not used"
+    assert sentence in proposal.warnings
+
+
 def test_a_duty_cycle_with_a_sign_keeps_it(tmp_path):
     text = rows(("1", "0")).replace(",100,1,", ",-100,1,")
     assert not propose(read(tmp_path, text)).mapping.columns["u_left_V"].direction
