@@ -82,6 +82,8 @@ Exit codes:
 CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
 ONE_INTERRUPT_S = 0.1
 """Time within which several signals are one interrupt: `timeout` of GNU signals a command and then its group."""
+RAISED_AGAIN_AFTER_S = 0.01
+"""Time after which an interrupt is raised again that fell into a function whose errors Python ignores."""
 INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again"
 
 
@@ -249,23 +251,41 @@ def _interrupts_noted() -> Iterator[threading.Event]:
     """Set the event at a SIGINT or SIGTERM, which raises KeyboardInterrupt; a later one ends the process at once.
 
     Further signals within `ONE_INTERRUPT_S` belong to the first one. The event is needed because a library may turn a
-    KeyboardInterrupt into another error.
+    KeyboardInterrupt into another error. Python ignores one in a destructor or in the callback of a weak reference;
+    then it is raised again.
     """
     noted = threading.Event()
     noted_at_s = 0.0
+    again: threading.Timer | None = None
 
-    def note(_number: int, _frame: FrameType | None) -> None:
-        nonlocal noted_at_s
+    def note(number: int, _frame: FrameType | None) -> None:
+        nonlocal noted_at_s, noted_number, again
+        if again is not None:
+            again = None
+            raise KeyboardInterrupt
         if noted.is_set() and monotonic() - noted_at_s < ONE_INTERRUPT_S:
             return
         if noted.is_set():
             # Workers end themselves when their pipe closes; the files on the disk are complete at any moment.
             os.write(2, f"symolo: {INTERRUPTED_TWICE}\n".encode())
             os._exit(INTERRUPTED)
-        noted_at_s = monotonic()
+        noted_at_s, noted_number = monotonic(), number
         noted.set()
         raise KeyboardInterrupt
 
+    def raise_again(lost: "sys.UnraisableHookArgs") -> None:
+        """Raise the interrupt again when the function in which Python ignores errors has ended."""
+        nonlocal again
+        if not (noted.is_set() and issubclass(lost.exc_type, KeyboardInterrupt)):
+            unraisable_before(lost)
+            return
+        main_thread = threading.main_thread().ident or 0
+        again = threading.Timer(RAISED_AGAIN_AFTER_S, signal.pthread_kill, (main_thread, noted_number))
+        again.daemon = True
+        again.start()
+
+    noted_number = signal.SIGINT
+    unraisable_before, sys.unraisablehook = sys.unraisablehook, raise_again
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     # Signals that are ignored, as SIGINT is in a background job, stay ignored.
     handled = [n for n, handler in before.items() if handler in {signal.default_int_handler, signal.SIG_DFL}]
@@ -274,6 +294,9 @@ def _interrupts_noted() -> Iterator[threading.Event]:
     try:
         yield noted
     finally:
+        if again is not None:
+            again.cancel()
+        sys.unraisablehook = unraisable_before
         for number in handled:
             signal.signal(number, before[number])
 

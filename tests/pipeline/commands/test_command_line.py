@@ -517,6 +517,36 @@ def test_help_loads_no_engine_and_no_table_library():
         assert heavy not in loaded
 
 
+CALLBACK = """
+import os, signal, sys, time, weakref
+from pipeline import cli
+class Thing:
+    pass
+def interrupted(_):
+    os.kill(os.getpid(), signal.{name})
+    time.sleep(0.001)
+def check():
+    thing = Thing()
+    reference = weakref.ref(thing, interrupted)
+    del thing
+    time.sleep(20)
+cli.check_address_space = check
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(cli.main(["plan", "smoke"]))
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_an_interrupt_in_a_callback_whose_errors_python_ignores_is_an_interrupt(name, tmp_path):
+    """As with one that falls into the callback of a weak reference while a library calculates."""
+    program = CALLBACK.format(name=name)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=25
+    )
+    assert done.returncode == 130
+    assert done.stderr == "symolo: interrupted; run the same command again, which then begins from the start\n"
+
+
 def _interrupted_twice(seconds_between: float, folder: Path) -> "subprocess.CompletedProcess[str]":
     """Run a program that gets a SIGTERM and a SIGINT, by its own clock this time apart, and deals with the first."""
     program = f"""
