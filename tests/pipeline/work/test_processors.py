@@ -1,5 +1,5 @@
-"""Frames of one run that were made on several classes of processor: noted, told, and only where they are several; and
-the threads of linear algebra.
+"""Classes of processors that made the frames of a run, which are reported if they are several; and the threads of
+linear algebra.
 """
 
 import json

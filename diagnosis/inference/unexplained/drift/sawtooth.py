@@ -5,8 +5,8 @@ A sensor that is calibrated from time to time has such an offset.
 
 import numpy as np
 
+from diagnosis.inference.unexplained.drift.periods import squares_of_repeating
 from diagnosis.inference.unexplained.drift.range_series import RangeSeries
-from diagnosis.inference.unexplained.drift.switching import FINE_STEPS, MIN_PERIODS, MIN_ROWS, REFINED, STEP
 from symolo.core.arrays import Array
 
 MIN_SHARE = 1e-9
@@ -22,20 +22,12 @@ def squares_of_sawtooth(series: RangeSeries) -> tuple[float, float]:
     Args:
         series: The residuals in order of time.
     """
-    reach = float(np.ptp(series.at))
-    max_periods = len(np.unique(series.at)) / MIN_ROWS
-    periods = np.arange(MIN_PERIODS, max_periods, STEP)
-    squares = float(series.z @ series.z)
-    if not len(periods) or reach <= 0.0:
-        return squares, 1.0
-    time, weight = (series.at - series.at[0]) / reach, series.sd_m**-2.0
-    coarse = np.array([_explained(count * time % 1.0, weight, series.residual_m) for count in periods])
-    best = max(
-        _explained((count + change) * time % 1.0, weight, series.residual_m)
-        for count in periods[np.argsort(-coarse)[:REFINED]]
-        for change in FINE_STEPS
-    )
-    return squares - best, max(1.0, max_periods - MIN_PERIODS)
+    weight = series.sd_m**-2.0
+
+    def explained(phase: Array) -> float:
+        return _explained(phase, weight, series.residual_m)
+
+    return squares_of_repeating(series, explained, coarsely=explained)
 
 
 def _explained(phase: Array, weight: Array, residual_m: Array) -> float:

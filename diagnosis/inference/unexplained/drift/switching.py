@@ -3,21 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.inference.unexplained.drift.periods import squares_of_repeating
 from diagnosis.inference.unexplained.drift.range_series import RangeSeries
 from symolo.core.arrays import Array
 
-MIN_PERIODS = 2.0
-"""Smallest number of periods; an error that does not repeat cannot be distinguished from a drift."""
-MIN_ROWS = 3.0
-"""Smallest mean number of rows in a period."""
-STEP = 1.0 / 8.0
-"""Step of the number of periods, by which the edges of the last one move by at most 1/16 of a period."""
 BINS = 32
 """Parts of a period into which the rows are sorted at first."""
-REFINED = 3
-"""Number of periods near which the edges are computed row by row."""
-FINE_STEPS = 1.0 / 64.0 * np.arange(-4, 5)
-"""Changes of the number of periods that are tried there."""
 
 
 def squares_of_switching(series: RangeSeries) -> tuple[float, float]:
@@ -28,20 +19,16 @@ def squares_of_switching(series: RangeSeries) -> tuple[float, float]:
     Args:
         series: The residuals in order of time.
     """
-    reach = float(np.ptp(series.at))
-    max_periods = len(np.unique(series.at)) / MIN_ROWS
-    periods = np.arange(MIN_PERIODS, max_periods, STEP)
-    squares = float(series.z @ series.z)
-    if not len(periods) or reach <= 0.0:
-        return squares, 1.0
-    time, weight = (series.at - series.at[0]) / reach, series.sd_m**-2.0
-    coarse = np.array([_explained(*_in_bins(count * time % 1.0, weight, series.residual_m)) for count in periods])
-    best = 0.0
-    for count in periods[np.argsort(-coarse)[:REFINED]]:
-        for each in count + FINE_STEPS:
-            order = np.argsort(each * time % 1.0, kind="stable")
-            best = max(best, _explained(weight[order], (weight * series.residual_m)[order]))
-    return squares - best, max(1.0, max_periods - MIN_PERIODS)
+    weight = series.sd_m**-2.0
+
+    def explained(phase: Array) -> float:
+        order = np.argsort(phase, kind="stable")
+        return _explained(weight[order], (weight * series.residual_m)[order])
+
+    def in_bins(phase: Array) -> float:
+        return _explained(*_in_bins(phase, weight, series.residual_m))
+
+    return squares_of_repeating(series, explained, coarsely=in_bins)
 
 
 def _in_bins(phase: Array, weight: Array, residual_m: Array) -> tuple[Array, Array]:
